@@ -29,6 +29,8 @@ pub(super) struct Line {
     pub length: usize,
     /// Whether its end is held too.
     pub is_whole: bool,
+    /// Whether it has a `*` or damage: it may be another line than it seems.
+    pub is_doubtful: bool,
 }
 
 impl Line {
@@ -131,12 +133,13 @@ impl Ring {
     /// The line that begins at an entry. Inlined, it would be repeated in each of its four places.
     #[inline(never)]
     pub(super) fn line(&self, from: usize) -> Line {
-        let mut line = Line { head: [0; HEAD], shown: 0, length: 0, is_whole: false };
+        let mut line = Line { head: [0; HEAD], shown: 0, length: 0, is_whole: false, is_doubtful: false };
         while let Some(byte) = self.at(from + line.length)
             && !line.is_whole
         {
             line.length += 1;
             line.is_whole = matches!(byte, b'\n' | b'\r');
+            line.is_doubtful |= matches!(byte, b'*' | DAMAGE);
             if let Some(place) = line.head.get_mut(line.shown).filter(|_| !line.is_whole) {
                 *place = byte;
                 line.shown += 1;

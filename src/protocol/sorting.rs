@@ -9,6 +9,7 @@
 //! | M108, M410, M524, M999 | it has acted, and gets its `ok` |
 //! | with a number | the first ones stay; the others are taken out, and asked for again when the rest is done |
 //! | M110 | stays: hosts do not repeat it |
+//! | a `;` comment | it is taken out: it gets no answer. With a `*` it may be a numbered line that was damaged |
 //! | any other without a number | stays; if there is no room, its host has to wait |
 //!
 //! A line with damage stays too, and is asked for in its turn.
@@ -104,6 +105,7 @@ pub(super) fn kind_of(line: &Line) -> Kind {
     let is_plain = |byte: &u8| byte.is_ascii_alphanumeric() || *byte == b' ';
     match m_code(text) {
         _ if text.is_empty() && is_short => Kind::Blank,
+        _ if matches!(text, [b';', ..]) && line.is_whole && !line.is_doubtful => Kind::Blank,
         Some((code, words)) if line.is_whole && is_short && words.iter().all(is_plain) => match code {
             105 => Kind::Temperatures,
             114 => Kind::Position { real: words.iter().any(|byte| byte.eq_ignore_ascii_case(&b'R')) },
@@ -138,7 +140,9 @@ mod tests {
             assert_eq!(kind(text), Kind::Acted, "{text}");
         }
         assert_eq!(kind("M27\n"), Kind::Answered);
-        assert_eq!((kind("\n"), kind("  \r")), (Kind::Blank, Kind::Blank));
+        for text in ["\n", "  \r", ";\n", " ; thumbnail begin 48x48 2104\n"] {
+            assert_eq!(kind(text), Kind::Blank, "{text}");
+        }
     }
 
     #[test]
@@ -158,6 +162,8 @@ mod tests {
             "G1 X5\n",
             "M105*35\n",
             "M105 ;x\n",
+            ";1 G1 X5*34\n",
+            "; half a comment",
             "M27 S2*\n",
             "M1050\n",
             "M105.1\n",

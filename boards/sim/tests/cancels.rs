@@ -178,3 +178,29 @@ fn a_command_that_waits_is_cancelled_at_any_moment() {
 fn so_it_is_on_a_printer_whose_probe_homes_z_and_has_to_be_taken_in() {
     every_wait_is_cancelled(ProbeKind::BlTouch);
 }
+
+/// Codes that act though a job has ended: they begin or end one, cure the machine, or stop it.
+const ACT: [&str; 10] = ["G28", "M18", "M75", "M77", "M84", "M108", "M110", "M112", "M915", "M999"];
+
+/// Reproducer: M290, SET_GCODE_OFFSET with MOVE=1, STEPPER_BUZZ and SELF_TEST of the rest of a file acted.
+#[test]
+fn a_job_that_has_ended_moves_and_heats_nothing_whatever_the_command() {
+    let (s, bed) = machine(ProbeKind::Switch);
+    let more = ["M290 Z0.3", "SET_GCODE_OFFSET Z_ADJUST=0.3 MOVE=1", "STEPPER_BUZZ STEPPER=m1"];
+    let lines = ROWS.iter().map(|(line, _)| *line).chain(LONGER).chain(more);
+    let code = |line: &str| line.split([' ', '(', ';']).next().unwrap().to_owned();
+    over(&s, &bed, &mut Eeprom::blank(), |life| {
+        print(life);
+        life.say("M524");
+        life.rest(2000);
+        let stopped = life.counts();
+        for line in lines.filter(|line| !ACT.contains(&code(line).as_str())) {
+            life.put(0, line);
+            life.put(0, "M104 S200");
+            life.rest(300);
+            assert_eq!(life.counts(), stopped, "{line} moves: {:?}", life.heard.last());
+            assert_eq!((life.targets(), life.duties()), ([0.0; 2], [0; 2]), "{line} heats: {:?}", life.heard.last());
+        }
+        assert_eq!(life.count("echo:the print was ended"), 1);
+    });
+}

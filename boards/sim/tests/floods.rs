@@ -183,7 +183,8 @@ const STATES: [(&str, &str, &[&str]); 9] = [
     ("shaking the tool", "TEST_RESONANCES AXIS=X\n", &["M112", "M410", "M524"]),
 ];
 
-/// Lines of reports and with numbers, in any mixture, and a few moves as by a user.
+/// Lines of reports and with numbers, in any mixture, a few moves as by a user, and comments as of a thumbnail. Says
+/// how many want an answer.
 fn flood(seed: &mut u64) -> (String, usize) {
     let (mut text, mut number, mut lines) = (String::new(), 0, 0);
     let (kinds, count, moves) = (1 + random(seed, 31), 1 + random(seed, 600), 1 + random(seed, 40));
@@ -192,6 +193,9 @@ fn flood(seed: &mut u64) -> (String, usize) {
         if at % (count / moves + 20) == 19 {
             text += "G1 X150\n";
         } else if kinds >> kind & 1 == 0 {
+            continue;
+        } else if random(seed, 4) == 0 {
+            text += "; AAADCbwQ6mAAAAAXNSR0IArs4c6QAAIABJREFUeJzsvXe8XFd57/1du0yfOXN61dFRl2\n";
             continue;
         } else if kind < 3 {
             text += ["M105\n", "M114\n", "M27\n"][kind as usize];

@@ -100,6 +100,37 @@ fn z_alone_goes_to_its_place_and_back_if_that_is_set() {
     }
 }
 
+/// Reproducer: a switch may be beyond the end of its axis, where nothing else goes; X was sent back there.
+#[test]
+fn x_returns_no_further_than_its_end() {
+    for place in [PLACE.map(Some), [None, Some(PLACE[1])]] {
+        let mut s = machine();
+        s.safe_z_home.place = place.map(|at| at.map(Mm::from_num));
+        s.safe_z_home.move_to_previous = true;
+        s.endstops.x.end = AxisEnd::Max;
+        let most = s.reach(HomedAxis::X).most;
+        s.endstops.x.position = most + Mm::from_num(3);
+        s.check().unwrap();
+        live(&s, 1, |life| {
+            life.say("M84");
+            let way = path(life, "G28");
+            assert!(is_at(*way.last().unwrap(), [most.to_num(), 0.0, HOP]), "{:?}", way.last());
+        });
+    }
+}
+
+#[test]
+fn it_is_told_by_m503() {
+    let mut s = machine();
+    s.safe_z_home.move_to_previous = true;
+    live(&s, 1, |life| {
+        life.say("M503");
+        for told in ["homing Z: at X150", "homing Z: at Y120", "homing: Z rises to 6 mm", "homing Z: X and Y return"] {
+            assert_eq!(life.heard.iter().filter(|line| line.contains(told)).count(), 1, "{told}: {:?}", life.heard);
+        }
+    });
+}
+
 /// A part of the place may be left out, and without one z is homed where the tool stands, with its hop.
 #[test]
 fn what_is_not_set_stays_where_it_is() {

@@ -179,3 +179,27 @@ fn letters_of_other_axes_refuse_motion_and_no_setting() {
         assert_eq!(life.count("echo:line ignored: there is no axis"), 5, "{:?}", life.heard);
     });
 }
+
+/// Reproducer: a line that waits for its continuation was kept beyond the halt, and its host got no answer any more.
+#[test]
+fn a_halt_during_a_pause_leaves_its_host_answered() {
+    for line in ["M600", "M0", "M1", "M601", "M25", "M125"] {
+        live(&heated(), 1, |life| {
+            life.put(0, line);
+            life.rest(3000);
+            life.put(0, "M112");
+            life.rest(100);
+            assert!(life.is_halted(), "{line}");
+            let errors = life.count("Error:");
+            life.put(0, "M105");
+            life.put(0, "G1 X50");
+            life.rest(100);
+            assert_eq!(life.count("Error:"), errors + 2, "{line}: {:?}", life.heard);
+            life.put(0, "N0 M110 N0*125");
+            life.put(0, "M105");
+            life.rest(100);
+            assert_eq!(life.count("echo:Printer halted. Send M999 or reset"), 1, "{line}: {:?}", life.heard);
+            assert_eq!(life.count("ok T:"), 1, "{line}: {:?}", life.heard);
+        });
+    }
+}

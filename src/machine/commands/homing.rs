@@ -215,8 +215,9 @@ async fn home_z_at_place<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>
     if home.move_to_previous { go_over(main_loop, [x, y]).await } else { Ok(()) }
 }
 
-/// Takes the nozzle over a place of z's homing.
+/// Takes the nozzle over a place of z's homing. A switch may be beyond the end of its axis, and an axis stands there.
 async fn go_over<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, [x, y]: [Mm; 2]) -> Result<(), Interrupt> {
+    let [x, y] = [(HomedAxis::X, x), (HomedAxis::Y, y)].map(|(axis, at)| main_loop.settings.reach(axis).clamp(at));
     let ([.., z, e], speed) = (main_loop.motion.end_mm(), main_loop.settings.safe_z_home.speed);
     travel(main_loop, [x, y, z, e], speed).await?;
     main_loop.finish().await?;

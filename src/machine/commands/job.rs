@@ -146,16 +146,21 @@ pub(in crate::machine) fn refuse<P: PortSet, W: Pend>(
             false
         }
         Command::Motion(ref command) => {
-            use MotionCommand::{Arc, Circulate, Dwell, Line, Recover, Retract};
-            is_by_condition
-                || matches!(command, Line { .. } | Circulate { .. } | Arc(_) | Retract | Recover | Dwell { .. })
+            use MotionCommand::{Arc, Babystep, Circulate, Dwell, Line, Recover, Retract, ZOffset};
+            let moves = matches!(
+                command,
+                Line { .. } | Circulate { .. } | Arc(_) | Retract | Recover | Dwell { .. } | Babystep { .. }
+            );
+            moves || is_by_condition || matches!(command, ZOffset(words) if words.moves)
         }
         Command::Bed(BedCommand::Measure(_) | BedCommand::GoTo { .. })
-        | Command::Motor(MotorCommand::LevelScrews(_) | MotorCommand::HandScrews { .. }) => true,
+        | Command::Motor(MotorCommand::LevelScrews(_) | MotorCommand::HandScrews { .. } | MotorCommand::Buzz { .. }) => {
+            true
+        }
         Command::Resonance(ResonanceCommand::Sweep(_)) => true,
         Command::Probe(ProbeCommand::Touch { .. } | ProbeCommand::Repeatability { .. } | ProbeCommand::Deploy) => true,
         Command::Job(JobCommand::AwaitUser { .. } | JobCommand::Pause { .. }) => true,
-        Command::Heat(HeatCommand::AwaitHeaters | HeatCommand::TuneHeater(_)) => true,
+        Command::Heat(HeatCommand::AwaitHeaters | HeatCommand::TuneHeater(_) | HeatCommand::SelfTest) => true,
         Command::Heat(HeatCommand::HeaterTarget { target, .. } | HeatCommand::HeaterWait { target, .. }) => {
             heats(target)
         }

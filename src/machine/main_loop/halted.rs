@@ -83,7 +83,8 @@ pub(in crate::machine) async fn stay_halted<P: PortSet, W: Pend>(main_loop: &mut
             None => main_loop.hosts.notify_all(format_args!("echo:the tool was not parked")),
         }
     }
-    // The message answers the lines that have come so far, that of M112 included.
+    // The message answers the lines that have come so far, that of M112 and a kept one included.
+    main_loop.hosts.give_up_aside();
     let (mut text, now) = (Text::new(), main_loop.now());
     while main_loop.hosts.next_line(now, (0, &|| Activity::Paused), &mut text).is_some() {}
     main_loop.hosts.greet(|replies| report_killed(replies, reason));

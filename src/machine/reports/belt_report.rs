@@ -136,8 +136,8 @@ pub(in crate::machine) fn report_belt(to: &mut Speaker<'_>, answer: &BeltAnswer,
                 Shift::Teeth(number) => {
                     let teeth = if number == 1 { "tooth" } else { "teeth" };
                     to.say(format_args!(
-                        "echo:phase of {sum} is off by {turns} of an electrical turn, as a jump of {number} {teeth} \
-                        makes it: check the belt's tension; {kept}"
+                        "echo:phase of {sum} is off by {turns} of an electrical turn, as a jump of at least \
+                        {number} {teeth} makes it: check the belt's tension; {kept}"
                     ));
                 }
                 _ => to.say(format_args!(

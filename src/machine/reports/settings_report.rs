@@ -152,9 +152,26 @@ fn report_space(to: &mut Speaker<'_>, s: &Settings) {
         let (axis, at) = (axis.letter(), exact(endstop.position));
         to.remark(format_args!("homing {axis}: {direction} to {at} mm, {fast} mm/s, {back} mm back, {slow} mm/s"));
     }
+    report_z_home(to, s);
     to.remark(format_args!("serial lines: {} baud", s.baud));
     let needed = if s.require_homing { "needed before moves" } else { "not needed before moves" };
     to.remark(format_args!("homing is {needed}"));
+}
+
+/// M503, where Z is homed by its switch, and what comes before and after.
+fn report_z_home(to: &mut Speaker<'_>, s: &Settings) {
+    let home = s.safe_z_home;
+    for (axis, at) in ['X', 'Y'].into_iter().zip(home.place).filter(|_| s.homes_z_at_place()) {
+        if let Some(at) = at {
+            to.remark(format_args!("homing Z: at {axis}{}", exact(at)));
+        }
+    }
+    if home.z_hop > Mm::ZERO {
+        to.remark(format_args!("homing: Z rises to {} mm before and after", exact(home.z_hop)));
+    }
+    if home.move_to_previous {
+        to.remark(format_args!("homing Z: X and Y return"));
+    }
 }
 
 /// M503, the settings of a pause.
