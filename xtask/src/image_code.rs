@@ -1,6 +1,5 @@
 //! The code of the image: its instructions, and the author of each.
 
-use super::rooms::Room;
 use crate::checkout;
 use addr2line::gimli::{Dwarf, EndianSlice, LittleEndian, SectionId};
 use anyhow::{Context as _, Result};
@@ -9,9 +8,9 @@ use object::{File, Object as _, ObjectSection as _, SectionKind, SymbolMap, Symb
 type Reader<'d> = EndianSlice<'d, LittleEndian>;
 
 /// The author of an instruction.
-pub struct Author {
+pub struct Author<R> {
     /// The room of the innermost function that has one, inlined functions included.
-    pub room: Option<Room>,
+    pub room: Option<R>,
     /// That function; if no room, the outermost one.
     pub function: String,
 }
@@ -72,13 +71,14 @@ impl<'d> Code<'d> {
         })
     }
 
-    /// The author of the instruction at an address.
-    pub fn author(&self, address: u64) -> Result<Author> {
+    /// The author of the instruction at an address; `room_of` knows the room of a source file by its path below the
+    /// root.
+    pub fn author<R>(&self, address: u64, room_of: impl Fn(&str) -> Option<R>) -> Result<Author<R>> {
         let mut frames = self.lines.find_frames(address).skip_all_loads()?;
         let mut function = None;
         while let Some(frame) = frames.next()? {
             let path = frame.location.and_then(|location| location.file).unwrap_or_default();
-            let room = path.strip_prefix(&self.root).and_then(Room::of);
+            let room = path.strip_prefix(&self.root).and_then(&room_of);
             if let Some(name) = frame.function {
                 function = Some(name.demangle()?.replace("corehbot::", ""));
             }

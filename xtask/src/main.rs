@@ -11,6 +11,7 @@ mod cluster;
 mod dist;
 mod emulate;
 mod flash;
+mod image_code;
 mod mutants;
 mod page;
 mod picture;

@@ -1,6 +1,5 @@
 //! The figures: results of the jobs' counts, next to our goals and to other firmware.
 
-use super::code::Code;
 use super::contexts::Context;
 use super::cycles::EXCEPTION;
 use super::jobs::Job;
@@ -8,6 +7,7 @@ use super::last_resort::Counts;
 use super::octopus::PlainStep;
 use super::profile::Profile;
 use super::rooms::Room;
+use crate::image_code::Code;
 use anyhow::{Context as _, Result};
 use std::collections::BTreeMap;
 

@@ -5,7 +5,6 @@
 
 mod access;
 mod check;
-mod code;
 mod contexts;
 mod cycles;
 mod figures;
@@ -22,10 +21,10 @@ mod waits;
 
 use crate::build;
 use crate::checkout;
+use crate::image_code::Code;
 use crate::qemu::BOARD;
 use crate::test::{self, Verdict};
 use anyhow::{Context as _, Result};
-use code::Code;
 use figures::Figure;
 use jobs::Job;
 use octopus::PlainStep;

@@ -4,10 +4,10 @@
 //! of that line lead elsewhere. The instructions up to its return are counted in the image, with their waits.
 
 use super::access::{Registers, effect};
-use super::code::Code;
 use super::cycles::{EXCEPTION, cost};
 use super::waits::{Bus, FLASH, LINE, bus, wait};
 use crate::build::instruction::{Kind, decode};
+use crate::image_code::Code;
 use anyhow::{Context as _, Result, bail, ensure};
 use corehbot::port::STEP_PULSE_NS;
 use std::collections::BTreeSet;

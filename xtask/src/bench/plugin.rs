@@ -1,11 +1,11 @@
 //! The plugin: compiled by the C compiler when it has changed, and its counts read back.
 
-use super::code::Code;
 use super::contexts::Context;
 use super::octopus::PlainStep;
 use super::rooms::Room;
 use super::waits::LINE;
 use crate::checkout::run;
+use crate::image_code::Code;
 use crate::qemu::Watcher;
 use anyhow::{Context as _, Result, bail};
 use std::collections::{BTreeMap, BTreeSet};
@@ -66,7 +66,7 @@ impl Plugin {
         let mut map = vec![0; PLACES];
         for address in code.addresses() {
             let place = (address >> 29 & 1) << 18 | (address & 0x7_FFFF) >> 1;
-            map[place as usize] = code.author(address)?.room.map_or(0, |room| room as u8);
+            map[place as usize] = code.author(address, Room::of)?.room.map_or(0, |room| room as u8);
         }
         let map_path = folder.join("rooms");
         std::fs::write(&map_path, map)?;

@@ -1,6 +1,5 @@
 //! A profile: one job, printed in QEMU and counted.
 
-use super::code::Code;
 use super::contexts::Context;
 use super::cycles::{Cost, EXCEPTION, REFILL, cost};
 use super::host::PlainHost;
@@ -8,6 +7,7 @@ use super::jobs::Job;
 use super::plugin::{Counts, Plugin, Spot};
 use super::rooms::Room;
 use super::waits::FLASH;
+use crate::image_code::Code;
 use crate::qemu;
 use anyhow::{Context as _, Result, bail, ensure};
 use corehbot::units::TICKS_PER_SECOND;
@@ -151,7 +151,7 @@ impl Profile {
     pub fn functions(&self, code: &Code<'_>) -> Result<Vec<Function>> {
         let mut functions: BTreeMap<_, Work> = BTreeMap::new();
         for spot in self.counts.spots.iter().filter(|spot| spot.context != Context::Idle) {
-            let name = code.author(spot.address)?.function;
+            let name = code.author(spot.address, Room::of)?.function;
             *functions.entry((spot.context, spot.room, name)).or_default() += self.work_at(spot);
         }
         let mut functions: Vec<_> =

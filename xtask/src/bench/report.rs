@@ -1,11 +1,11 @@
 //! The report: tables for people.
 
-use super::code::Code;
 use super::contexts::Context;
 use super::figures::Figure;
 use super::jobs::Job;
 use super::profile::{Profile, Work};
 use super::rooms::Room;
+use crate::image_code::Code;
 use anyhow::Result;
 
 /// Functions that a profile shows.

@@ -4,6 +4,7 @@ pub mod binary;
 mod contents;
 pub mod instruction;
 mod last_resort;
+mod sizes;
 mod step_path;
 
 use crate::checkout;
@@ -25,6 +26,9 @@ pub struct Args {
     /// The board.
     #[arg(value_parser = board_parser())]
     board: Board,
+    /// Prints the bytes of each room, and the largest functions.
+    #[arg(long)]
+    sizes: bool,
 }
 
 /// A board that can be flashed, and the package that makes its image.
@@ -81,7 +85,11 @@ pub struct Image {
 
 /// Builds, weighs and examines an image.
 pub fn main(args: &Args) -> Result<()> {
-    image(args.board).map(|_| ())
+    let image = image(args.board)?;
+    if args.sizes {
+        print!("\n{}", sizes::of(&read(&image.elf)?)?);
+    }
+    Ok(())
 }
 
 /// Builds, weighs and examines an image, and says where it is.
@@ -109,6 +117,9 @@ pub fn examine_all() -> Result<String> {
         // The emulator's board writes its steps into a file from the step interrupt.
         let is_flashable = package != crate::qemu::BOARD;
         examine(&Elf::parse(&*data)?, is_flashable).with_context(|| package.clone())?;
+        if package == sizes::PACKAGE {
+            sizes::of(&data)?.check().with_context(|| package.clone())?;
+        }
     }
     Ok(boards.join(", "))
 }
