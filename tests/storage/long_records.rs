@@ -1,8 +1,8 @@
 //! Records of two parts, which settings with many long values need: they are saved, cut and read as the others, next to
 //! the mesh between their parts. Firmware that only knows one part names their format.
 
-use crate::memories::{Cut, Eeprom, Stuck, TORN, now};
-use crate::{crc, cut_save, newest, size_of_save, variant};
+use super::memories::{Cut, Eeprom, Stuck, TORN, now};
+use super::{crc, cut_save, newest, size_of_save, variant};
 use corehbot::settings::rows::{Field, Key, Value, Visitor};
 use corehbot::settings::{Settings, Thermistor};
 use corehbot::storage::{self, FORMAT, MeshRejected, PAGE, Rejected, STRIDE, Slot, StoredMesh};

@@ -1,8 +1,6 @@
 //! Settings in a memory with power that can be cut. The settings saved before or the ones being saved survive, for any
 //! damage to the byte or page being written.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
-
 mod long_records;
 mod memories;
 mod meshes;
