@@ -16,6 +16,9 @@ const OTHER_CRATES: [&str; 4] = ["members", "exclude", "default-members", "coreh
 /// The program of the core's tests, as the manifest names it, and the file with its modules.
 const PROGRAM: (&str, &str) = ("core_tests", "tests/main.rs");
 
+/// Folders and files that each excerpt has. The manifest names the benches, and the crate's documentation the example.
+const WHOLE: [&str; 5] = ["tests", "proptest-regressions", "benches", "examples/embed.rs", "Cargo.lock"];
+
 /// The programs that have these tests. Each but one of the tests is a module of the same program.
 pub fn programs<'t>(tests: &[&'t str]) -> BTreeSet<&'t str> {
     tests.iter().map(|test| if is_program(test) { test } else { PROGRAM.0 }).collect()
@@ -36,11 +39,7 @@ pub fn write(folder: &Path, room: &str, tests: &[&str]) -> Result<()> {
     for path in rooms.iter().flat_map(|room| sources("src", room)) {
         copy(&path, folder)?;
     }
-    // The manifest names the benches.
-    ["tests", "proptest-regressions", "benches", "Cargo.lock"]
-        .map(Path::new)
-        .into_iter()
-        .try_for_each(|path| copy(path, folder))?;
+    WHOLE.map(Path::new).into_iter().try_for_each(|path| copy(path, folder))?;
     write_some("src/lib.rs", folder, |text| some_modules(text, &rooms))?;
     write_some(PROGRAM.1, folder, |text| some_modules(text, &modules))?;
     let is_kept = |line: &&str| !OTHER_CRATES.iter().any(|begin| line.starts_with(begin));
@@ -213,6 +212,25 @@ mod tests {
         assert!(parts("line_noise").rooms.contains("thermal"));
         let modules = parts("golden_steps").modules;
         assert_eq!(modules.iter().collect::<Vec<_>>(), ["clock", "dice", "golden_steps", "line"]);
+    }
+
+    #[test]
+    fn an_excerpt_has_the_files_that_its_crate_and_its_manifest_name() {
+        let folder = std::env::temp_dir().join(format!("corehbot-excerpt-{}", std::process::id()));
+        write(&folder, "units", &["surface"]).unwrap();
+        let named = |file: &str, begin, end| -> Vec<PathBuf> {
+            let text = fs::read_to_string(folder.join(file)).unwrap();
+            let places = text.split(begin).skip(1).filter_map(|rest| rest.split(end).next());
+            places.map(|place| folder.join(file).with_file_name(place)).collect()
+        };
+        let included = named("src/lib.rs", "include_str!(\"", '"');
+        let programs = named("Cargo.toml", "\npath = \"", '"');
+        assert_eq!((included.len(), programs.len()), (1, 2));
+        let missing: Vec<_> = included.iter().chain(&programs).filter(|path| !path.exists()).collect();
+        assert!(missing.is_empty(), "{missing:?}");
+        let main = fs::read_to_string(folder.join(PROGRAM.1)).unwrap();
+        assert!(main.contains("\nmod surface;") && !main.contains("\nmod driver;"));
+        fs::remove_dir_all(folder).unwrap();
     }
 
     /// Behind `crate::` it has no modules of the other program.
