@@ -1,9 +1,7 @@
 //! G-code against independent models: long-hand decimal arithmetic, and its own printed form.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
-
-mod support;
-
+use crate::support::bodies;
+use crate::support::print::{Printed, reduced};
 use corehbot::connectors::Heater;
 use corehbot::gcode::{
     AxisFlags, AxisWords, Command, HeatCommand, HomeWords, JobCommand, MotionCommand, MotorCommand, Number,
@@ -11,8 +9,6 @@ use corehbot::gcode::{
 };
 use proptest::prelude::*;
 use std::collections::BTreeSet;
-use support::bodies;
-use support::print::{Printed, reduced};
 
 /// Decimal text as the nearest multiple of 2^-32. The written digits are doubled: bit after bit of the fraction falls
 /// out on the left, as in long multiplication by hand.

@@ -1,6 +1,5 @@
 //! Keys of machine files that texts name: each exists in the schema. Texts are all documents, and the string literals
 //! of the code.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use serde_json::Value;
 use std::collections::BTreeSet;

@@ -1,11 +1,7 @@
 //! The arrows between the rooms: every `use crate::room` in src/ must be in the table, and the files and folders within
 //! a room have no circle.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "support/arrows.rs"]
-mod arrows;
-
-use arrows::{arrows_within, circle, code_of, paths_used, sources};
+use crate::arrows::{arrows_within, circle, code_of, paths_used, sources};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
@@ -369,25 +365,4 @@ fn a_circle_is_found_through_names_that_are_handed_on() {
 fn an_arrow_is_found_wherever_it_is_written() {
     let text = "use crate::units::Mm;\n// crate::app\nfn f(x: crate::port::Motor) { mycrate::machine() }";
     assert_eq!(rooms_used(text), ["units", "port"]);
-}
-
-/// A file that no `mod` names is not compiled: its tests would be silent.
-#[test]
-fn every_file_of_a_test_program_is_a_part_of_it() {
-    let mut files = Vec::new();
-    for tests in ["boards/sim/tests", "twin/tests"] {
-        sources(Path::new(tests), &mut files);
-    }
-    assert!(files.len() > 100);
-    for file in files.iter().filter(|file| !file.ends_with("main.rs")) {
-        let is_folder = file.ends_with("mod.rs");
-        let module = if is_folder { file.parent().unwrap().to_owned() } else { file.with_extension("") };
-        let folder = module.parent().unwrap();
-        let parents = [folder.join("main.rs"), folder.join("mod.rs"), folder.with_extension("rs")];
-        let named = format!("mod {};", module.file_name().unwrap().to_str().unwrap());
-        let texts = parents.iter().filter_map(|parent| fs::read_to_string(parent).ok());
-        let is_named = texts.flat_map(|text| text.lines().map(str::to_owned).collect::<Vec<_>>());
-        let mut lines = is_named.map(|line| line.trim_start_matches("pub ").to_owned());
-        assert!(lines.any(|line| line == named), "{} is no part of a test program", file.display());
-    }
 }

@@ -3,18 +3,15 @@
 //!
 //! Two kinds of damage are left out: damage that an 8-bit sum cannot see (one damaged line in 256), and damage that
 //! takes both the N and the star, because no answer helps.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-mod support;
-
+use crate::support::hosts::{Host, Pauses, Printcore, Windowed};
+use crate::support::machine::Machine;
+use crate::support::octoprint::OctoPrint;
 use corehbot::gcode;
 use corehbot::port::Received;
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 use std::cell::Cell;
-use support::hosts::{Host, Pauses, Printcore, Windowed};
-use support::machine::Machine;
-use support::octoprint::OctoPrint;
 
 /// The fate of one line on its way.
 #[derive(Clone, Debug)]

@@ -1,13 +1,10 @@
 //! The line protocol for any input: every line is answered once, the split into packets does not matter, and every
 //! damaged line is repaired.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-mod support;
-
+use crate::support::bodies;
+use crate::support::machine::{Machine, numbered};
 use corehbot::port::Received;
 use proptest::prelude::*;
-use support::bodies;
-use support::machine::{Machine, numbered};
 
 /// Whether a line needs an answer, found from the whole line.
 fn asks_for_an_answer(line: &[Received]) -> bool {

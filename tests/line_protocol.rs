@@ -1,11 +1,8 @@
 //! The line protocol, one dialogue after the other; `line_properties.rs` has the properties for any input.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
-mod support;
-
+use crate::support::machine::{Machine, numbered};
 use corehbot::port::Received;
 use corehbot::protocol::{Emergency, Replies, ResendReason};
-use support::machine::{Machine, numbered};
 
 fn resend(reason: &str, last: i64) -> String {
     format!("Error:{reason}, Last Line: {last}\nResend: {}\nok\n", last + 1)

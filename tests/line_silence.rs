@@ -1,10 +1,8 @@
 //! Lines that are lost whole or lose their end, and fragments without a checksum.
 
-mod support;
-
+use crate::support::machine::{Machine, PATIENCE_MS, numbered};
 use corehbot::port::Received;
 use corehbot::protocol::Activity;
-use support::machine::{Machine, PATIENCE_MS, numbered};
 
 /// A machine that has taken lines 1 to `last` of a stream.
 fn streaming(last: i32) -> Machine {

@@ -1,5 +1,4 @@
 //! Relative links in the documents: every file and every heading that they name is there. The changelog is in order.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use std::collections::BTreeSet;
 use std::fs;

@@ -1,6 +1,5 @@
 //! The tables of docs/reference against the code. Those of codes are made from the rows of `gcode::commands`
 //! (`BLESS=1` writes them); every fault has a row.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::fault::{Cause, Fault};
 use corehbot::gcode::{Command, Flaw, Treatment, described, names, parse};
@@ -98,7 +97,7 @@ fn the_tables_of_codes_are_those_of_the_parser() {
     if std::env::var_os("BLESS").is_some() {
         std::fs::write(path, &made).unwrap();
     } else {
-        assert!(document == made, "BLESS=1 cargo test -p corehbot --test reference");
+        assert!(document == made, "BLESS=1 cargo test -p corehbot --test core_tests reference");
     }
 }
 

@@ -1,10 +1,6 @@
 //! The printer's replies: their words, and that they mean nothing else to any host.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "support/actions.rs"]
-mod actions;
-
-use actions::{Deed, btt_tft, octoprint, printrun};
+use crate::actions::{Deed, btt_tft, octoprint, printrun};
 use corehbot::fault::{Cause, Fault};
 use corehbot::protocol::{Action, NoRoom, Replies, ResendReason};
 

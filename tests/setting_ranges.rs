@@ -1,6 +1,5 @@
 //! Every number among the settings has a greatest legal value, and a least one: a new setting without a range is found
 //! here.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::settings::{Advance, CornerRule, Settings, ShaperKind};
 use corehbot::units::{Hertz, Mm, MmPerSec, Seconds};

@@ -1,5 +1,4 @@
 //! The rows of all settings: each id once, each key once, each setting in one row.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot::gcode::{Command, PlainWords, SettingCommand, parse};
 use corehbot::settings::Settings;

@@ -1,5 +1,4 @@
 //! The room `surface` against vectors and a bed that were computed by themselves, in double precision.
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, reason = "tests")]
 
 use corehbot::surface::{Heights, Mesh, MeshError, UNITS_PER_MM};
 use corehbot::units::Mm;

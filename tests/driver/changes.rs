@@ -1,6 +1,6 @@
 //! Changes: new settings for drivers of motors with power.
 
-use crate::bench::{Bench, CHOPCONF, Z1};
+use super::bench::{Bench, CHOPCONF, Z1};
 use corehbot::driver::{Config, DriverError, Fault, News, Register};
 use corehbot::motors::{MotorName, MotorSet, prototype};
 use corehbot::settings::Settings;

@@ -1,6 +1,6 @@
 //! Proof: no motor gets power before its driver has shown that it holds its settings.
 
-use crate::bench::{Bench, CHOPCONF, IFCNT, Z1};
+use super::bench::{Bench, CHOPCONF, IFCNT, Z1};
 use corehbot::driver::{Config, DriverError, Drivers, Job, Reading, Register};
 use corehbot::motors::{MotorSet, prototype};
 use corehbot::settings::Settings;

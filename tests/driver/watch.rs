@@ -1,6 +1,6 @@
 //! The watch: the faults that it finds in drivers with power, how soon, and the reaction.
 
-use crate::bench::{Bench, GSTAT, Z1};
+use super::bench::{Bench, GSTAT, Z1};
 use corehbot::driver::{DriverError, Fault, Job, News, Register};
 use corehbot::motors::{MotorName, MotorSet, prototype};
 use corehbot::port::BusError;

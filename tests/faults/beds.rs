@@ -1,7 +1,7 @@
 //! Cold things laid on a bed, and parts warmed by a hot bed: no fault. A fault next to them is still found.
 
+use super::{break_it, constants, until_off};
 use crate::printer::{Printer, settings};
-use crate::{break_it, constants, until_off};
 use corehbot::connectors::Heater;
 use corehbot::fault::Cause;
 use corehbot::settings::ThermalSettings;

@@ -1,7 +1,7 @@
 //! Settings that are absurd (F20, F87) or change while a heater is on (F40 is in `thermal::scrub`).
 
+use super::{break_it, constants, is_off, printing};
 use crate::printer::{Printer, settings};
-use crate::{break_it, constants, is_off, printing};
 use corehbot::connectors::{Heater, Output};
 use corehbot::settings::{Control, Pid};
 use corehbot::thermal::Order;

@@ -1,8 +1,8 @@
 //! The floor finds a heater without power and a sensor that has slipped, independent of the model, the settings and the
 //! commands. It never reports a heater that can reach its target, however slow it is.
 
+use super::{break_it, constants, until_off};
 use crate::printer::{Printer, settings};
-use crate::{break_it, constants, until_off};
 use corehbot::connectors::{Heater, Output};
 use corehbot::fault::Cause;
 use corehbot::settings::{Control, HeaterSettings, ThermalSettings};

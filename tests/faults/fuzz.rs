@@ -45,7 +45,7 @@ proptest! {
 
 #[test]
 fn wild_orders_leave_a_real_machine_below_its_limit() {
-    let mut printer = Printer::new(&crate::constants(), settings());
+    let mut printer = Printer::new(&super::constants(), settings());
     for n in 0..20_i32 {
         printer.order(Order::Target(Heater::Hotend, Celsius::from_bits(n.wrapping_mul(0x0765_4321))));
         printer.run(30.0);

@@ -1,6 +1,6 @@
 //! Contexts that stop (F30): the watchdog is no longer fed, and heaters are off before it bites.
 
-use crate::{is_off, printing};
+use super::{is_off, printing};
 use corehbot::fault::Cause;
 
 #[test]

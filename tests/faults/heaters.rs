@@ -1,7 +1,7 @@
 //! Heaters that are open, weak, swapped or stuck on (F08 to F13), and fans.
 
+use super::{break_it, cold, constants, printing, soak_hours, until_off};
 use crate::printer::{Printer, settings};
-use crate::{break_it, cold, constants, printing, soak_hours, until_off};
 use corehbot::connectors::{Heater, Output};
 use corehbot::fault::Cause;
 use corehbot::settings::{Control, FanRole};

@@ -1,6 +1,6 @@
 //! The latch: the first cause wins over all later ones.
 
-use crate::{break_it, is_off, printing};
+use super::{break_it, is_off, printing};
 use corehbot::fault::{Cause, Fault, Record};
 use corehbot_rig::plant::SensorFault;
 

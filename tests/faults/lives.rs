@@ -1,7 +1,7 @@
 //! Lives of machines that are used: heated, cancelled, heated again. Without a defect no fault may be found; with a
 //! defect in such a life, it is found.
 
-use crate::constants;
+use super::constants;
 use crate::printer::{Printer, settings};
 use corehbot::connectors::Heater;
 use corehbot::settings::{Control, ThermalSettings};
@@ -62,7 +62,7 @@ const LIVES: u64 = 60;
 /// The property: any sequence of targets, including 0, on a healthy plant causes no fault.
 #[test]
 fn any_sequence_of_targets_raises_nothing() {
-    let lives = crate::soak_hours().map_or(LIVES, |hours| u64::from(hours) * 20);
+    let lives = super::soak_hours().map_or(LIVES, |hours| u64::from(hours) * 20);
     let (mut hours, mut found) = (0.0, Vec::new());
     for seed in 0..lives {
         let mut random = Random(seed);

@@ -1,8 +1,8 @@
 //! False alarms are faults too: hours of printing, with every guard on, trip none. `cargo xtask soak` makes 100 hours
 //! of them.
 
+use super::{break_it, constants, soak_hours};
 use crate::printer::{Printer, settings};
-use crate::{break_it, constants, soak_hours};
 use corehbot::connectors::Heater;
 use corehbot::thermal::Order;
 

@@ -1,8 +1,8 @@
 //! Readings that cannot be right and cost nothing but the heat: a winter night, another kind of sensor than set.
 //! Nothing of that halts the machine, and no heater gets power by such a reading.
 
+use super::{break_it, constants, is_off, until_off};
 use crate::printer::{Printer, settings};
-use crate::{break_it, constants, is_off, until_off};
 use corehbot::connectors::{Heater, Output};
 use corehbot::fault::Cause;
 use corehbot::settings::Thermistor;

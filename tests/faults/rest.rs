@@ -1,8 +1,8 @@
 //! Beds and hotends that come to rest below a target that they cannot reach: full power, and a reading that stays. That
 //! is no frozen reading, with any noise of the converter, and a frozen one on the way up is found as before.
 
+use super::{break_it, constants, until_off};
 use crate::printer::{Printer, settings};
-use crate::{break_it, constants, until_off};
 use corehbot::connectors::Heater;
 use corehbot::settings::Control;
 use corehbot::thermal::Order;

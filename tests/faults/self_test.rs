@@ -1,7 +1,7 @@
 //! The self-test: wiring that is wrong is found before the first heating, with everything still cold enough to touch.
 
+use super::{break_it, cold, constants, until_off};
 use crate::printer::{Printer, settings};
-use crate::{break_it, cold, constants, until_off};
 use corehbot::connectors::{Heater, Output};
 use corehbot::fault::Cause;
 use corehbot::status::SelfTest;

@@ -1,7 +1,7 @@
 //! Sensors that are open, short, loose, frozen, slipped, slow or wrong (F01 to F07, F14 to F17, F19).
 
+use super::{break_it, cold, constants, is_off, printing, until_off, until_refused};
 use crate::printer::{Printer, settings};
-use crate::{break_it, cold, constants, is_off, printing, until_off, until_refused};
 use corehbot::connectors::{Heater, Output};
 use corehbot::fault::Cause;
 use corehbot::settings::Thermistor;

@@ -2,10 +2,10 @@
 //! reads the remaining and made steps, brakes, aborts, and circulates the belt. An endstop is pressed in some moves,
 //! and interrupts are late.
 
-use super::clock::{Clock, Timer};
-use super::dice::Dice;
-use super::line::{plan, shaping};
 use super::{circle, corners, shaped, wild};
+use crate::clock::{Clock, Timer};
+use crate::dice::Dice;
+use crate::line::{plan, shaping};
 use corehbot::kinematics::{Grouping, Groupings, MotorTable};
 use corehbot::motion::{Link, Move, MoveQueue, SpanMemory, StepGenerator, StepQueue, Stepper, Work};
 use corehbot::port::{EndstopSet, GroupSet, MotorSet, Pend, StepPort};

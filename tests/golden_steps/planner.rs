@@ -1,8 +1,8 @@
 //! A planner that does all that it may, at moments that dice choose.
 
-use super::dice::Dice;
-use super::line::target;
 use super::{Path, bends, circle, corners, retracts, straight, tiny, wild};
+use crate::dice::Dice;
+use crate::line::target;
 use corehbot::kinematics::{Grouping, Groupings};
 use corehbot::motion::{MoveMemory, Planner, Target};
 use corehbot::port::EndstopSet;

@@ -1,6 +1,6 @@
 //! The prototype's mechanism against the paper's equations.
 
-use super::belt_equations::{BeltSteps, ToolSteps, forward, inverse, residual};
+use crate::belt_equations::{BeltSteps, ToolSteps, forward, inverse, residual};
 use corehbot::kinematics::{Group, Groups, Mechanism};
 use corehbot::motors::{MotorSet, per_motor, prototype};
 

@@ -1,7 +1,7 @@
 //! Rows: motors from a position, a position from motors, and illegal machines.
 
-use super::belt_equations::{BeltSteps, residual};
 use super::machines::{COREXYZ, COREXYZ_THREE, E, MACHINES, NONE, Z, all, settings};
+use crate::belt_equations::{BeltSteps, residual};
 use corehbot::kinematics::{ForwardKinematics, Groups, Mechanism, MechanismError, Row};
 use corehbot::motors::{Motor, per_motor, prototype};
 use corehbot::units::{Steps, StepsPerMm};

@@ -1,8 +1,8 @@
 //! Stepping: the generator keeps to the rows and to the limits of each motor.
 
-use super::line::{Step, generate_on, plan};
 use super::machines::{COREXYZ, MACHINES, UNEQUAL, all, settings, strain};
 use super::zigzag::tool;
+use crate::line::{Step, generate_on, plan};
 use corehbot::kinematics::{Groups, Mechanism};
 use corehbot::motors::{MOTORS, Motor, prototype};
 use corehbot::units::{MmPerSec, MmPerSec2, Ratio, Steps, StepsPerMm};

@@ -1,8 +1,8 @@
 //! Zig-zag: the path if motors stepped one after the other, and proof that the generator does not do that.
 
-use super::line::{generate_on, plan};
 use super::machines::{COREXYZ, COREXYZ_THREE, MACHINES, settings, strain};
 use super::stepping::add;
+use crate::line::{generate_on, plan};
 use corehbot::kinematics::{Groups, Mechanism};
 use corehbot::motors::{MOTORS, Motor};
 

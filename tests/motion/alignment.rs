@@ -1,9 +1,9 @@
 //! Moves along one axis: all motors that they need step in the same instants, after any earlier moves. Corners do not
 //! depend on the place of the steps: they are the corners of the commanded path.
 
-use super::dice::Dice;
-use super::line::{Step, generate_on, generate_shaped, plan};
 use super::speeds::speeds;
+use crate::dice::Dice;
+use crate::line::{Step, generate_on, generate_shaped, plan};
 use corehbot::motion::Move;
 use corehbot::settings::{Settings, Shaper, ShaperKind};
 use corehbot::units::{Hertz, Ratio, StepsPerMm};

@@ -1,7 +1,7 @@
 //! Circles of chords, as slicers write them: the tool follows them at one speed.
 
-use super::line::plan;
 use super::speeds::speeds;
+use crate::line::plan;
 use corehbot::settings::Settings;
 use std::f64::consts::TAU;
 

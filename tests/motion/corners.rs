@@ -6,9 +6,9 @@
 //! and it leaves the corner by the deviation. The limits of axes and motors are taken along that line, the direction of
 //! the acceleration in the middle of the arc.
 
-use super::dice::Dice;
-use super::line::plan;
 use super::speeds::speeds;
+use crate::dice::Dice;
+use crate::line::plan;
 use corehbot::motion::Move;
 use corehbot::settings::{CornerRule, Settings};
 use corehbot::units::{Mm, MmPerSec, MmPerSec2, Ratio, Steps};

@@ -3,9 +3,9 @@
 //!
 //! The reference knows nothing of chords or of the planner's law: it looks at the velocities alone.
 
-use super::dice::Dice;
-use super::line::{plan, stream};
 use super::velocity::{Velocity, course, size, worst};
+use crate::dice::Dice;
+use crate::line::{plan, stream};
 use corehbot::motion::Move;
 use corehbot::settings::{CornerRule, Settings};
 use corehbot::units::{Mm, MmPerSec2, Steps};

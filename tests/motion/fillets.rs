@@ -1,13 +1,13 @@
 //! Polygons and zigzags with rounded corners, in few chords a quarter turn: no path takes longer than with Klipper's
 //! look-ahead, and the tool follows its line as closely.
 //!
-//! `FILLETS=DIR cargo test -p corehbot --test motion fillets` also writes the paths as G-code, with the times of both,
-//! for the simulator and the twin.
+//! `FILLETS=DIR cargo test -p corehbot --test core_tests fillets` also writes the paths as G-code, with the times of
+//! both, for the simulator and the twin.
 
 use super::Targets;
 use super::klipper::{self, Limits};
-use super::line::stream;
 use super::velocity::{Knot, course, size, worst};
+use crate::line::stream;
 use corehbot::motion::Move;
 use corehbot::settings::{CornerRule, Settings};
 use corehbot::units::{MmPerSec, MmPerSec2, Ratio, Steps};

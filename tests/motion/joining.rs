@@ -2,9 +2,9 @@
 //!
 //! The reference knows the commanded points and the moves that were released, and nothing of how they were joined.
 
-use super::dice::Dice;
-use super::line::{plan, stream, target};
 use super::properties::check_chain;
+use crate::dice::Dice;
+use crate::line::{plan, stream, target};
 use corehbot::motion::{Move, MoveMemory, Planner};
 use corehbot::settings::Settings;
 use corehbot::units::{Mm, MmPerSec2, Ratio};

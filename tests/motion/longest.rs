@@ -1,7 +1,7 @@
 //! Moves that are far longer than any axis, as a machine without soft endstops may get, with the greatest acceleration.
 
-use super::line::plan;
 use super::speeds::speeds;
+use crate::line::plan;
 use corehbot::motion::LOOKAHEAD_MOVES;
 use corehbot::settings::{Settings, ranges};
 

@@ -1,7 +1,7 @@
 //! Work on many moves is done a few at a time, with the same result as if it were done at once.
 
-use super::line::{plan, target};
 use super::timing::wander;
+use crate::line::{plan, target};
 use corehbot::motion::{LOOKAHEAD_MOVES, Move, MoveMemory, Planner};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;

@@ -4,8 +4,8 @@
 //! the moves. Both are straight lines between ends of phases, so the greatest values stand at these ends, and half a
 //! window before and behind them.
 
-use super::dice::Dice;
-use super::line::{target, window};
+use crate::dice::Dice;
+use crate::line::{target, window};
 use corehbot::motion::{Move, MoveMemory, Planner, WHOLE, advance_window};
 use corehbot::settings::{Settings, Shaper, ShaperKind};
 use corehbot::units::{Hertz, Mm, MmPerSec, MmPerSec2, Ratio, Seconds};

@@ -1,10 +1,10 @@
 //! Properties of any path: limits are kept, every prefix can stop, positions are exact.
 
-use super::belt_equations::{BeltSteps, residual};
 use super::corners::machine;
-use super::dice::Dice;
-use super::line::{Step, generate, plan, target};
 use super::speeds::speeds;
+use crate::belt_equations::{BeltSteps, residual};
+use crate::dice::Dice;
+use crate::line::{Step, generate, plan, target};
 use corehbot::motion::{MIN_STEP_INTERVAL, Move, MoveMemory, Planner, WHOLE};
 use corehbot::motors::{MOTORS, Motor, prototype};
 use corehbot::settings::{CornerRule, Settings};

@@ -1,8 +1,8 @@
 //! Shaped motion: every step against an independent model of shapers and pressure advance, in floating point.
 
-use super::line::{self, generate_shaped, plan};
 use super::model::{Trapezoid, trapezoids};
 use super::timing::{groups, steps_of, wander};
+use crate::line::{self, generate_shaped, plan};
 use corehbot::motion::Move;
 use corehbot::settings::{HomedAxis, Settings, Shaper, ShaperKind};
 use corehbot::units::{Hertz, Mm, Ratio, Seconds};

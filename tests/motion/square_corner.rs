@@ -7,8 +7,8 @@
 //! too. Klipper limits z alone (`max_z_accel`), so for y and the extruder the limited acceleration comes from the same
 //! division, acceleration of the axis over its share.
 
-use super::line::plan;
 use super::speeds::speeds;
+use crate::line::plan;
 use corehbot::settings::{CornerRule, Settings};
 use corehbot::units::{MmPerSec, MmPerSec2};
 

@@ -1,9 +1,9 @@
 //! A surface under the motion: z follows it within half a step, and nothing else feels it.
 
-use super::dice::Dice;
-use super::line::{Step, generate_from, on_mesh, plan, shaping, target};
 use super::shaped::positions;
 use super::timing::{groups, steps_of, wander};
+use crate::dice::Dice;
+use crate::line::{Step, generate_from, on_mesh, plan, shaping, target};
 use corehbot::motion::{Move, MoveMemory, Planner, WHOLE, Work};
 use corehbot::settings::{Settings, Shaper, ShaperKind};
 use corehbot::surface::{Heights, Mesh, UNITS_PER_MM};

@@ -1,8 +1,8 @@
 //! Steps on time: every step against the model's crossing, over ten thousand moves.
 
-use super::dice::Dice;
-use super::line::{Step, generate, plan};
 use super::model::{crossings, trapezoids};
+use crate::dice::Dice;
+use crate::line::{Step, generate, plan};
 use corehbot::kinematics::{Group, Groups, Mechanism};
 use corehbot::motion::MIN_STEP_INTERVAL;
 use corehbot::settings::Settings;

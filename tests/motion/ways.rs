@@ -1,6 +1,6 @@
 //! Lengths: of the path, and of a move's three phases; a phase with time has a length.
 
-use super::line::{plan, target};
+use crate::line::{plan, target};
 use corehbot::motion::{MoveMemory, Planner};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;

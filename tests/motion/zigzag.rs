@@ -1,7 +1,7 @@
 //! Short zig-zags: with a minimum cruise ratio the machine no longer falls from accelerating into braking in every
 //! move, and shakes its frame less. Long moves stay as they are.
 
-use super::line::plan;
+use crate::line::plan;
 use corehbot::motion::{Move, WHOLE};
 use corehbot::settings::Settings;
 use corehbot::units::{Length, Ratio};

@@ -1,6 +1,6 @@
 //! Step counts, which are not kept event by event, against pins that count each event.
 
-use super::clock::{Clock, NullPend, Timer};
+use crate::clock::{Clock, NullPend, Timer};
 use corehbot::kinematics::{Groupings, Mechanism};
 use corehbot::motion::{
     Link, MoveMemory, MoveQueue, Planner, SpanMemory, StepCounts, StepGenerator, StepQueue, Stepper, Target, Work,

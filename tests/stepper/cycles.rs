@@ -7,7 +7,7 @@ use corehbot::status::{Late, Status};
 use corehbot::units::Tick;
 use std::cell::{Cell, RefCell};
 
-use super::clock::NullPend;
+use crate::clock::NullPend;
 
 /// Cycles a tick, the longest and the shortest time that the timer is set to, and how early it rings
 /// (`chips/stm32f446`, step_timer.rs).

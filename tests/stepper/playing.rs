@@ -1,6 +1,6 @@
 //! The stepper on its pins: its effect on the lines, the order, and the times.
 
-use super::clock::{Clock, NullPend, Timer};
+use crate::clock::{Clock, NullPend, Timer};
 use corehbot::kinematics::{Groupings, Mechanism};
 use corehbot::motion::{
     Entry, Link, MoveMemory, MoveQueue, Planner, SpanMemory, StepEvent, StepGenerator, StepQueue, Stepper, Target, Work,

@@ -1,6 +1,6 @@
 //! The end of motion: the Stepper comes to rest, and misses no event.
 
-use super::clock::{Clock, NullPend, Timer};
+use crate::clock::{Clock, NullPend, Timer};
 use corehbot::kinematics::{Groupings, Mechanism};
 use corehbot::motion::{
     Link, MoveMemory, MoveQueue, Planner, SpanMemory, StepGenerator, StepQueue, Stepper, Target, Work,

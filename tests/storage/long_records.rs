@@ -1,8 +1,8 @@
 //! Records of two parts, which settings with many long values need: they are saved, cut and read as the others, next to
 //! the mesh between their parts. Firmware that only knows one part names their format.
 
-use crate::memories::{Cut, Eeprom, Stuck, TORN, now};
-use crate::{crc, cut_save, newest, size_of_save, variant};
+use super::memories::{Cut, Eeprom, Stuck, TORN, now};
+use super::{PowerCut, crc, cut_save, newest, size_of_save, variant};
 use corehbot::settings::rows::{Field, Key, Value, Visitor};
 use corehbot::settings::{Settings, Thermistor};
 use corehbot::storage::{self, FORMAT, MeshRejected, PAGE, Rejected, STRIDE, Slot, StoredMesh};
@@ -160,11 +160,12 @@ fn a_cut_at_any_byte_leaves_the_old_or_the_new_for_long_records_too() {
         let fresh = with(begin);
         let size = size_of_save(&fresh, &next);
         assert!(size > ONE_PART || next == variant(9));
-        let mut kept_old = 0;
+        let (mut kept_old, old) = (0, newest(&mut fresh.clone()));
         for left in 0..size {
             for (torn, whole_page) in [(TORN[left % 6], false), (TORN[(left + 1) % 6], true)] {
                 let mut eeprom = fresh.clone();
-                kept_old += usize::from(cut_save(&mut eeprom, &next, left, torn, whole_page) != Some(next));
+                let cut = PowerCut { left, torn, whole_page };
+                kept_old += usize::from(cut_save(&mut eeprom, old, &next, cut) != Some(next));
                 assert_eq!(loaded(&mut eeprom), Ok(mesh(4)));
                 // And with power back, the same save succeeds.
                 now(storage::save(&mut eeprom, &next)).unwrap();

@@ -1,6 +1,6 @@
 //! The mesh in a memory with power that can be cut, beside the settings.
 
-use crate::memories::{Cut, Eeprom, Stuck, TORN, now};
+use super::memories::{Cut, Eeprom, Stuck, TORN, now};
 use corehbot::port::{NoStorage, StorageError};
 use corehbot::settings::Settings;
 use corehbot::storage::{self, MOST_STORED, MeshFate, MeshNotSaved, MeshRejected, StoredMesh};

@@ -1,5 +1,4 @@
 //! The reactions of hosts and screens to a host action line, as in their sources.
-#![allow(dead_code, reason = "each test uses a part")]
 
 /// The reaction of a host's print.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -1,9 +1,10 @@
-//! How well each controller does with the prototype's plant. `cargo test --test thermal -- --nocapture` prints all.
+//! How well each controller does with the prototype's plant.
+//! `cargo test --test core_tests thermal -- --nocapture` prints all.
 
 use corehbot_rig::plant::PlantConstants;
 
-use crate::peers::{self, Output, calibrate};
-use crate::runs::{Controller, FlowStep, HeatUp, PRINTING, flow_step, heat_up};
+use super::peers::{self, Output, calibrate};
+use super::runs::{Controller, FlowStep, HeatUp, PRINTING, flow_step, heat_up};
 
 /// The results of a controller.
 struct Figures {

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 
 use corehbot_rig::plant::PlantConstants;
 
-use crate::runs::{Controller, Loop};
+use super::runs::{Controller, Loop};
 
 /// How often it measures, s.
 const MEASURED_EVERY: f64 = 0.3;

@@ -1,7 +1,7 @@
 //! The firmware's control of the plant, compared with the peers' control of it.
 
+use super::runs::{FlowStep, PRINTING};
 use crate::printer::{Printer, settings};
-use crate::runs::{FlowStep, PRINTING};
 use corehbot::connectors::Heater;
 use corehbot::settings::{FanRole, ThermalSettings};
 use corehbot::thermal::Order;

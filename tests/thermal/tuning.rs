@@ -1,6 +1,6 @@
 //! M303: the tuning finds the plant's values, and control with them is as good as with the plant's own figures.
 
-use crate::predictive::heat_up;
+use super::predictive::heat_up;
 use crate::printer::{Printer, settings};
 use corehbot::connectors::Heater;
 use corehbot::settings::{Control, Pid};

@@ -104,7 +104,7 @@ const fn heats(client: Venv<'static>, program: &'static str, board: Board) -> Tr
 /// Runs all trials.
 pub fn main() -> Result<()> {
     match check()? {
-        Verdict::Tested { passed, failed: 0, remark } => {
+        Verdict::Tested { passed, failed: 0, remark, .. } => {
             println!("{passed} trials succeeded: {remark}");
             Ok(())
         }
@@ -144,7 +144,7 @@ pub fn check() -> Result<Verdict> {
     if failed > 0 {
         remark = format!("fail: {}", failures.join(", "));
     }
-    Ok(Verdict::Tested { passed: tests - failed, failed, remark })
+    Ok(Verdict::Tested { passed: tests - failed, failed, remark, times: Vec::new() })
 }
 
 impl Trial {

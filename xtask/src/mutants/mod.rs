@@ -106,7 +106,7 @@ fn try_room(room: &Room, args: &Args) -> Result<Outcome> {
     let mut unit = mutants(room, room.quick, args, &unit_folder)?;
     unit.arg(format!("--file=src/{}/**", room.name));
     unit.args(["--minimum-test-timeout=5", "--cargo-arg=--lib"]);
-    room.quick.iter().for_each(|test| _ = unit.arg(format!("--cargo-arg=--test={test}")));
+    unit.args(programs(room.quick));
     if let Some(shard) = &args.shard {
         unit.args(["--sharding=round-robin", "--shard", shard]);
     }
@@ -124,7 +124,7 @@ fn try_room(room: &Room, args: &Args) -> Result<Outcome> {
     // these files.
     files(&first.missed).into_iter().for_each(|file| _ = all.arg(format!("--file={file}")));
     all.arg("--config").arg(&wanted).arg("--minimum-test-timeout=60");
-    room.tests.iter().for_each(|test| _ = all.arg(format!("--cargo-arg=--test={test}")));
+    all.args(programs(room.tests));
     let second = outcome(all, &all_folder)?;
     let missed: Vec<_> = first.missed.iter().filter(|mutant| second.missed.contains(mutant)).cloned().collect();
     let noticed = first.noticed + first.missed.len() - missed.len();
@@ -150,6 +150,11 @@ fn mutants(room: &Room, tests: &[&str], args: &Args, folder: &Path) -> Result<Co
     command.env("CARGO_PROFILE_DEV_DEBUG", "0");
     command.arg("--cargo-arg=--config=profile.dev.package.corehbot.codegen-units=256");
     Ok(command)
+}
+
+/// The arguments for the programs of these tests. An excerpt has no others, so the programs run as a whole.
+fn programs(tests: &[&str]) -> Vec<String> {
+    excerpt::programs(tests).iter().map(|program| format!("--cargo-arg=--test={program}")).collect()
 }
 
 /// The files in which these mutants are: `src/motion/trajectory/shaper.rs:54:52: replace ...`.

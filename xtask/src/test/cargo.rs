@@ -1,12 +1,15 @@
 //! The steps that are calls of cargo.
 
 use super::Verdict;
+use super::slowest::{self, Slowest};
 use crate::checkout::{self, cargo, run, words};
 use crate::emulate;
 use crate::page;
 use anyhow::{Context as _, Result, bail};
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 /// Formatting.
 pub fn format() -> Result<Verdict> {
@@ -102,23 +105,32 @@ pub fn emulate() -> Result<Verdict> {
     count_tests(tests)
 }
 
-/// Runs tests; their results are counted while they scroll by.
+/// Runs tests; their results are counted while they scroll by, and their time is looked at.
 fn count_tests(mut command: Command) -> Result<Verdict> {
     let mut process = command.stdout(Stdio::piped()).spawn().context("cannot run cargo")?;
+    let (slowest, has_ended) = (Mutex::new(Slowest::default()), AtomicBool::new(false));
     let (mut passed, mut failed) = (0, 0);
-    if let Some(stdout) = process.stdout.take() {
-        for line in BufReader::new(stdout).lines() {
-            let line = line?;
+    let cargo = process.id();
+    std::thread::scope(|scope| {
+        scope.spawn(|| slowest::watch(cargo, &slowest, &has_ended));
+        let lines = process.stdout.take().into_iter().flat_map(|stdout| BufReader::new(stdout).lines());
+        let heard = lines.map_while(|line| {
+            let line = line.ok()?;
             println!("{line}");
             passed += count(&line, "passed");
             failed += count(&line, "failed");
-        }
-    }
+            slowest.lock().unwrap_or_else(PoisonError::into_inner).hear(&line);
+            Some(())
+        });
+        heard.for_each(drop);
+        has_ended.store(true, Ordering::Relaxed);
+    });
     let status = process.wait()?;
     if !status.success() && failed == 0 {
         bail!("{}: {status}", words(&command));
     }
-    Ok(Verdict::Tested { passed, failed, remark: format!("{passed} tests passed, {failed} failed") })
+    let times = slowest.into_inner().unwrap_or_else(PoisonError::into_inner).list();
+    Ok(Verdict::Tested { passed, failed, remark: format!("{passed} tests passed, {failed} failed"), times })
 }
 
 /// The number before `word` in a result line of the test harness.

@@ -52,7 +52,7 @@ pub fn check() -> Result<Verdict> {
     if failed > 0 {
         remark = format!("differ: {}", failures.join(", "));
     }
-    Ok(Verdict::Tested { passed: tests - failed, failed, remark })
+    Ok(Verdict::Tested { passed: tests - failed, failed, remark, times: Vec::new() })
 }
 
 /// The first lines of a file, as a file of their own.

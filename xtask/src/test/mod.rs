@@ -13,6 +13,7 @@ mod lane;
 mod processor;
 mod side_by_side;
 mod size;
+mod slowest;
 mod tools;
 
 pub use compare::{beginning, check_file, sliced_file};
@@ -21,6 +22,7 @@ pub use tools::{has_emulator, install, lack_of_emulator, succeeds};
 use crate::{bench, browser, clients, cluster, usb};
 use Lane::{Cable, Emulated, First, Host, Images};
 use anyhow::{Context as _, Result, bail};
+use std::cmp::Reverse;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -79,10 +81,16 @@ pub enum Verdict {
     /// All is well.
     Passed(String),
     /// Numbers of passed and failed tests.
-    Tested { passed: u32, failed: u32, remark: String },
+    Tested { passed: u32, failed: u32, remark: String, times: Times },
     /// It could not be done here, and why.
     Skipped(String),
 }
+
+/// Names of tests, and the processors' time that each took; empty if it was not looked at.
+pub type Times = Vec<(String, Duration)>;
+
+/// So many of the slowest tests are named at the end.
+const NAMED: usize = 10;
 
 /// The step that brings missing tools, which the others need.
 const TOOLS: &str = "tools";
@@ -170,6 +178,7 @@ impl std::fmt::Display for Time {
 #[derive(Default)]
 struct Report {
     rows: Vec<String>,
+    times: Times,
     passed: u32,
     failed: u32,
 }
@@ -187,10 +196,11 @@ impl Report {
         }
     }
 
-    /// Leaves the results in a file: how many passed and failed, and the rows.
+    /// Leaves the results in a file: how many passed and failed, the rows, and behind a tab the slowest tests.
     fn write(&self, path: &Path) -> Result<()> {
         let counts = format!("{} {}", self.passed, self.failed);
-        let text = [&[counts][..], &self.rows].concat().join("\n");
+        let times: Vec<_> = self.slowest().map(|(name, taken)| format!("{}\t{name}", taken.as_millis())).collect();
+        let text = [&[counts][..], &self.rows, &times].concat().join("\n");
         std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
     }
 
@@ -200,15 +210,22 @@ impl Report {
         let (passed, failed) = counts.split_once(' ').context("no counts of the images")?;
         self.passed += passed.parse::<u32>()?;
         self.failed += failed.parse::<u32>()?;
-        self.rows.extend(rows.lines().map(str::to_owned));
+        for line in rows.lines() {
+            match line.split_once('\t') {
+                Some((taken, name)) => self.times.push((name.to_owned(), Duration::from_millis(taken.parse()?))),
+                None => self.rows.push(line.to_owned()),
+            }
+        }
         Ok(())
     }
 
     fn add(&mut self, name: &str, verdict: Result<Verdict>, time: Time) {
         let (word, passed, failed, remark) = match verdict {
             Ok(Verdict::Passed(remark)) => ("ok", 1, 0, remark),
-            Ok(Verdict::Tested { passed, failed: 0, remark }) => ("ok", passed, 0, remark),
-            Ok(Verdict::Tested { passed, failed, remark }) => ("FAILED", passed, failed, remark),
+            Ok(Verdict::Tested { passed, failed, remark, times }) => {
+                self.times.extend(times);
+                (if failed == 0 { "ok" } else { "FAILED" }, passed, failed, remark)
+            }
             Ok(Verdict::Skipped(reason)) => ("SKIPPED", 0, 0, reason),
             Err(error) => ("FAILED", 0, 1, format!("{error:#}")),
         };
@@ -221,7 +238,19 @@ impl Report {
         self.rows.push(format!("{name:<8} {word:<8} {time}  {remark}"));
     }
 
+    /// The slowest of all tests.
+    fn slowest(&self) -> impl Iterator<Item = &(String, Duration)> {
+        let mut all: Vec<_> = self.times.iter().collect();
+        all.sort_by_key(|(_, taken)| Reverse(*taken));
+        all.into_iter().take(NAMED)
+    }
+
     fn print(&self) {
+        let slowest: Vec<_> = self.slowest().collect();
+        if !slowest.is_empty() {
+            println!("\n== the slowest tests");
+        }
+        slowest.iter().for_each(|(name, taken)| println!("{:>6.1} CPU-s  {name}", taken.as_secs_f64()));
         println!("\n== result");
         for row in &self.rows {
             println!("{}", row.trim_end());
@@ -240,13 +269,18 @@ mod tests {
     #[test]
     fn results_go_from_one_process_to_the_other() {
         let mut images = Report::default();
-        images.add("qemu", Ok(Verdict::Tested { passed: 5, failed: 1, remark: "one differs".into() }), Time::default());
+        let times = (1..=20).map(|second| (format!("a_{second}"), Duration::from_secs(second))).collect();
+        let verdict = Verdict::Tested { passed: 5, failed: 1, remark: "one differs".into(), times };
+        images.add("qemu", Ok(verdict), Time::default());
         images.add("size", Ok(Verdict::Passed(String::new())), Time::default());
         let path = std::env::temp_dir().join(format!("corehbot-results-{}", std::process::id()));
         images.write(&path).unwrap();
-        let mut all = Report { passed: 10, ..Report::default() };
+        let times = vec![("b".to_owned(), Duration::from_millis(19_500))];
+        let mut all = Report { passed: 10, times, ..Report::default() };
         all.read(&std::fs::read_to_string(&path).unwrap()).unwrap();
         std::fs::remove_file(path).unwrap();
+        let slowest: Vec<_> = all.slowest().map(|(name, _)| name.as_str()).collect();
+        assert_eq!((slowest.len(), &slowest[..4]), (NAMED, &["a_20", "b", "a_19", "a_18"][..]));
         assert_eq!((all.passed, all.failed, all.rows), (16, 1, images.rows));
         assert!(Report::default().read("").is_err());
     }

@@ -10,12 +10,26 @@ pub fn taken() -> Option<Duration> {
     read(&std::fs::read_to_string("/proc/self/stat").ok()?)
 }
 
-/// The sum of utime, stime, cutime and cstime, the fields 14 to 17 of `proc_pid_stat(5)`. The second field is the
-/// program's name in parentheses and may have spaces.
+/// The sum of utime, stime, cutime and cstime, the fields 14 to 17 of `proc_pid_stat(5)`.
 fn read(stat: &str) -> Option<Duration> {
+    sum(stat, 4)
+}
+
+/// Time that a thread has taken so far, by its `stat`: utime and stime. The other two are of its whole process.
+pub fn of_thread(stat: &str) -> Option<Duration> {
+    sum(stat, 2)
+}
+
+/// The sum of so many of the times.
+fn sum(stat: &str, count: usize) -> Option<Duration> {
+    let times: Vec<f64> = fields(stat)?.skip(10).take(count).collect();
+    (times.len() == count).then(|| Duration::from_secs_f64(times.iter().sum::<f64>() / PER_SECOND))
+}
+
+/// The numbers from the fourth field on. The second field is the program's name in parentheses and may have spaces.
+pub fn fields(stat: &str) -> Option<impl Iterator<Item = f64>> {
     let (_, after_name) = stat.rsplit_once(')')?;
-    let fields: Vec<f64> = after_name.split_whitespace().skip(11).take(4).map_while(|n| n.parse().ok()).collect();
-    (fields.len() == 4).then(|| Duration::from_secs_f64(fields.iter().sum::<f64>() / PER_SECOND))
+    Some(after_name.split_whitespace().skip(1).map_while(|n| n.parse().ok()))
 }
 
 #[cfg(test)]
@@ -26,6 +40,8 @@ mod tests {
     fn own_time_and_the_childrens_are_added() {
         let stat = "4711 (a ) name) R 1 2 3 0 -1 4194304 100 200 0 0 150 50 1000 300 20 0 1 0 12345 0 0";
         assert_eq!(read(stat), Some(Duration::from_secs(15)));
+        assert_eq!(of_thread(stat), Some(Duration::from_secs(2)));
         assert_eq!((read(""), read("1 (cut) R 1 2")), (None, None));
+        assert_eq!(fields(stat).unwrap().next(), Some(1.0), "the parent");
     }
 }

@@ -1,6 +1,5 @@
 //! Faults of heat, crash and configuration: each is a test that looks at pins and duties in virtual time.
 //! docs/explanation/safety.md has the same numbers.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "clippy does not see that the helpers here belong to tests")]
 
 mod beds;
 mod configuration;
@@ -10,20 +9,16 @@ mod heartbeats;
 mod heaters;
 mod latch;
 mod lives;
-#[path = "../thermal/printer.rs"]
-mod printer;
 mod quiet;
 mod refusals;
 mod rest;
 mod self_test;
 mod sensors;
-#[path = "../support/wild_heat.rs"]
-mod wild_heat;
 
+use crate::printer::{Printer, settings};
 use corehbot::connectors::{Heater, Output};
 use corehbot::fault::Cause;
 use corehbot_rig::plant::{Plant, PlantConstants, PlantFaults};
-use printer::{Printer, settings};
 
 /// Hours of a soak, if this is one (`cargo xtask soak`).
 fn soak_hours() -> Option<u32> {

@@ -1,18 +1,12 @@
 //! Motion against an independent model: steps on time, limits kept, every move able to stop.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 mod alignment;
-#[path = "../support/belt_equations.rs"]
-#[allow(dead_code, reason = "other tests need all of them")]
-mod belt_equations;
 mod circles;
 mod corners;
 mod curves;
-mod dice;
 mod fillets;
 mod joining;
 mod klipper;
-mod line;
 mod longest;
 mod model;
 mod passes;

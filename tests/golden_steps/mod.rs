@@ -2,25 +2,16 @@
 //! the law of motion. Then the test prints the new record. `tests/motion` checks by models that steps are right; this
 //! test finds, within a second, that they differ. Two tests read everything that a Console and a planner see. So they
 //! also change with the reports, with the content of a move, and with the amount made at a time.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
-#[path = "../stepper/clock.rs"]
-#[allow(dead_code, reason = "other tests need all of it")]
-mod clock;
 mod console;
-#[path = "../motion/dice.rs"]
-mod dice;
-#[path = "../motion/line.rs"]
-#[allow(dead_code, reason = "other tests need all of it")]
-mod line;
 mod planner;
 
+use crate::dice::Dice;
+use crate::line::{Step, generate, generate_on, generate_shaped, plan};
 use corehbot::kinematics::Mechanism;
 use corehbot::motion::taps;
 use corehbot::settings::{Advance, CornerRule, Settings, Shaper, ShaperKind, Shapers, sum};
 use corehbot::units::{Hertz, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm};
-use dice::Dice;
-use line::{Step, generate, generate_on, generate_shaped, plan};
 use std::f64::consts::TAU;
 
 /// A place in mm (x, y, z, filament), and the speed of the move to it in mm/s.

@@ -128,7 +128,6 @@ impl Printer {
     }
 
     /// The firmware after a reset, on the same plant.
-    #[allow(dead_code, reason = "not every test program that has this file asks for it")]
     pub fn restarted(self) -> Self {
         Self::at(self.bench, self.settings)
     }
@@ -232,7 +231,6 @@ impl Printer {
     }
 
     /// The plate's.
-    #[allow(dead_code, reason = "not every test program that has this file asks for it")]
     pub fn bed(&self) -> f64 {
         self.bench.borrow().plant.bed_celsius()
     }
