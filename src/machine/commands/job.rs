@@ -149,7 +149,13 @@ pub(in crate::machine) fn refuse<P: PortSet, W: Pend>(
             use MotionCommand::{Arc, Babystep, Circulate, Dwell, Line, Recover, Retract, ZOffset};
             let moves = matches!(
                 command,
-                Line { .. } | Circulate { .. } | Arc(_) | Retract | Recover | Dwell { .. } | Babystep { .. }
+                Line { .. }
+                    | Circulate { .. }
+                    | Arc(_)
+                    | Retract
+                    | Recover
+                    | Dwell { .. }
+                    | Babystep { by: Some(_), .. }
             );
             moves || is_by_condition || matches!(command, ZOffset(words) if words.moves)
         }

@@ -38,11 +38,11 @@ impl KnownBed {
         *self = Self { mesh: Some(mesh), is_part: false, is_kept: true, forgets_kept: false };
     }
 
-    /// Its points are elsewhere by so much; false if there are none.
+    /// Its points are elsewhere by so much; false if there are none. M500 moves a kept one in storage, if it is right
+    /// with all other settings.
     pub fn moves(&mut self, by: [Mm; 2]) -> bool {
         if let Some(mesh) = &mut self.mesh {
             *mesh = mesh.moved(by);
-            self.is_kept = false;
         }
         self.mesh.is_some()
     }
