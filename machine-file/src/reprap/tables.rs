@@ -82,3 +82,18 @@ pub(super) fn other(code: &str, key: &str) -> Verdict {
         None => Verdict::new(NotYet, crate::marlin::tables::NO_SETTING),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pattern::sample;
+
+    #[test]
+    fn no_remark_hides_a_later_one() {
+        for (code, word, _, text) in REMARKS {
+            let (a_code, a_word) = (sample(code), sample(word));
+            let found = REMARKS.iter().find(|(known, of, ..)| matches(known, &a_code) && matches(of, &a_word));
+            assert_eq!(found.map(|(known, of, _, text)| (*known, *of, *text)), Some((*code, *word, *text)));
+        }
+    }
+}

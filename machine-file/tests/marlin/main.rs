@@ -3,6 +3,7 @@
 
 #[path = "../support/configurations.rs"]
 mod configurations;
+mod defines;
 mod forms;
 #[path = "../support/reports.rs"]
 mod reports;
