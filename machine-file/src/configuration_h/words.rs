@@ -9,7 +9,7 @@ const LISTS: [(&str, &str); 3] =
     [("DEFAULT_AXIS_STEPS_PER_UNIT", "M92"), ("DEFAULT_MAX_FEEDRATE", "M203"), ("DEFAULT_MAX_ACCELERATION", "M201")];
 
 /// Single numbers, the define that switches them on (or `!` and one that switches them off), and their words.
-const NUMBERS: [(&str, &str, &str, &str); 43] = [
+const NUMBERS: [(&str, &str, &str, &str); 49] = [
     ("DEFAULT_ACCELERATION", "", "M204", "P"),
     ("DEFAULT_RETRACT_ACCELERATION", "", "M204", "R"),
     ("DEFAULT_TRAVEL_ACCELERATION", "", "M204", "T"),
@@ -24,6 +24,12 @@ const NUMBERS: [(&str, &str, &str, &str); 43] = [
     ("DEFAULT_Kp", "PIDTEMP", "M301", "P"),
     ("DEFAULT_Ki", "PIDTEMP", "M301", "I"),
     ("DEFAULT_Kd", "PIDTEMP", "M301", "D"),
+    ("DEFAULT_Kp_LIST", "PID_PARAMS_PER_HOTEND", "M301", "P"),
+    ("DEFAULT_Ki_LIST", "PID_PARAMS_PER_HOTEND", "M301", "I"),
+    ("DEFAULT_Kd_LIST", "PID_PARAMS_PER_HOTEND", "M301", "D"),
+    ("DEFAULT_KP_LIST", "PID_PARAMS_PER_HOTEND", "M301", "P"),
+    ("DEFAULT_KI_LIST", "PID_PARAMS_PER_HOTEND", "M301", "I"),
+    ("DEFAULT_KD_LIST", "PID_PARAMS_PER_HOTEND", "M301", "D"),
     ("DEFAULT_bedKp", "PIDTEMPBED", "M304", "P"),
     ("DEFAULT_bedKi", "PIDTEMPBED", "M304", "I"),
     ("DEFAULT_bedKd", "PIDTEMPBED", "M304", "D"),

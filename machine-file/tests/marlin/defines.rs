@@ -140,6 +140,7 @@ fn heights_of_homing_become_a_hop() {
 #[test]
 fn a_define_with_a_key_of_ours_is_taken() {
     for (lines, path, wanted) in [
+        ("#define PID_PARAMS_PER_HOTEND\n#define DEFAULT_KP_LIST { 21, 22 }", "heaters.hotend.pid.p", "21"),
         ("#define HOLD_MULTIPLIER 0.6", "drivers.belt.hold_percent", "60"),
         ("#define HOLD_MULTIPLIER 0.6", "drivers.e.hold_percent", "60"),
         ("#define HOLD_MULTIPLIER 0.6\n#define Z_HOLD_MULTIPLIER 0.9", "drivers.z.hold_percent", "90"),
