@@ -204,7 +204,7 @@ impl Defines {
         self.find(&format!("{axis}_DRIVER_TYPE")).map(|define| define.value.as_str())
     }
 
-    /// The middle and the edges of the bed (`Marlin/src/inc/Conditionals-3-etc.h`): the middle of a bed is at 0 or
+    /// The middle and the edges of the bed (`Marlin/src/inc/Conditionals-5-post.h`): the middle of a bed is at 0 or
     /// half its size, and half of a whole number is whole in C.
     fn of_bed(&self, name: &str, depth: usize) -> Option<Number> {
         let (axis, of) = name.split_once('_')?;

@@ -93,8 +93,13 @@ fn place(look: &mut Look<'_, '_, '_>, by_probe: bool) {
                     look.say(&name, Kind::Taken, text);
                 }
             }
-            // Marlin's default is the middle (`Marlin/src/inc/Conditionals-5-post.h`), and "auto" is the probe's.
-            None if is_on && !by_probe && look.defines.is_defined(&name) != Some(true) => {
+            // Marlin's default is the middle (`_SAFE_POINT` in `Marlin/src/inc/Conditionals-5-post.h`), but of UBL a
+            // point of its mesh; "auto" is the probe's.
+            None if is_on
+                && !by_probe
+                && !look.defines.has("AUTO_BED_LEVELING_UBL")
+                && look.defines.is_defined(&name) != Some(true) =>
+            {
                 if let Some(centre) = look.defines.number(&centre, 0) {
                     look.work.set_number(&path, centre.value, "Marlin's default: the middle of the bed");
                 }

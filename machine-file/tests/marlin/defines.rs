@@ -102,6 +102,8 @@ fn a_place_to_home_z_is_evaluated() {
         assert!(value(&done, "safe_z_home.x").or(value(&done, "probe.home.x")).is_none(), "{}", done.text);
     }
     holds(&of("#define Z_SAFE_HOMING"), &[("safe_z_home.x", "117"), ("safe_z_home.y", "110")]);
+    let of_mesh = of("#define Z_SAFE_HOMING\n#define AUTO_BED_LEVELING_UBL");
+    assert!(value(&of_mesh, "safe_z_home.x").is_none(), "{}", of_mesh.text);
     let off = of("//#define Z_SAFE_HOMING\n#define Z_SAFE_HOMING_X_POINT X_CENTER");
     assert_eq!(said(&off, "Z_SAFE_HOMING_X_POINT").0, NotNeeded);
 }
