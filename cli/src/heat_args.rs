@@ -1,8 +1,10 @@
 //! The plant of heat as commands ask for it.
 
+use crate::input;
 use anyhow::{Context as _, Result, bail};
 use clap::Args;
 use corehbot::settings::Settings;
+use corehbot_machine_file::file_kind::Wanted;
 use corehbot_rig::heat::constants;
 use corehbot_sim::asked;
 use corehbot_sim::bed_plant::ProbeAccident;
@@ -45,7 +47,7 @@ impl HeatArgs {
         if !settings.thermal.has_heater() {
             bail!("--plant-heat: the machine has no heater; fit one in its file (heaters.hotend.is_fitted = true)");
         }
-        let text = std::fs::read_to_string(path).with_context(|| format!("cannot open {}", path.display()))?;
+        let text = input::text(path, Wanted::Heaters)?;
         let truth = truth::read(&text, constants(&settings.thermal)).with_context(|| path.display().to_string())?;
         Ok(HeatSetup { truth: Some(truth), accidents })
     }

@@ -3,6 +3,7 @@
 //! Images are built without a machine. Each has a block for one ([`corehbot::storage::put_machine`]), so an image for a
 //! machine needs no compiler. Boards that differ in pins alone share an image, and its block names the board.
 
+use crate::input;
 use crate::output::Outputs;
 use crate::say::say;
 use crate::status::DONE;
@@ -13,6 +14,7 @@ use corehbot::connectors::BoardConnectors;
 use corehbot::settings::Settings;
 use corehbot::storage::{BLOCK, MARK, Receipt, board_of, boards_of, choose_board, clear_machine, put_machine};
 use corehbot_boards as boards;
+use corehbot_machine_file::file_kind::Wanted;
 use corehbot_machine_file::{self as machine_file, Machine};
 use memchr::memmem;
 use std::io::Write as _;
@@ -55,7 +57,7 @@ impl Prepared {
             (None, Some(board)) => prebuilt(board)?,
             (None, None) => bail!("give --board or --from"),
         };
-        let mut bytes = std::fs::read(&path).with_context(|| format!("cannot open {}", path.display()))?;
+        let mut bytes = input::bytes(&path, Wanted::Image)?;
         if let Some(wanted) = wanted {
             set_board(&mut bytes, wanted.key).with_context(|| path.display().to_string())?;
         }

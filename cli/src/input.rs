@@ -5,10 +5,10 @@
 
 use crate::output::STANDARD;
 use crate::say::note;
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Context as _, Result, bail, ensure};
 use clap::Args;
 use corehbot_gcode_file::{GcodeFileError, Unpacked, unpack};
-use corehbot_machine_file::file_kind::{FileKind, Wanted, WrongFile};
+use corehbot_machine_file::file_kind::{self, FileKind, START, Wanted, WrongFile};
 use corehbot_report::printable;
 use corehbot_sim::lines::{Lines, Survey, survey};
 use corehbot_sim::not_gcode::check_line;
@@ -120,6 +120,29 @@ pub fn read(path: &Path, plate: Plate) -> Result<String> {
     let mut bytes = Vec::new();
     opened.file.read_to_end(&mut bytes)?;
     Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
+
+/// The bytes of a file that is read at once. A folder or another kind of file is refused with its way.
+///
+/// # Errors
+/// If it cannot be read, or is of another kind.
+pub fn bytes(path: &Path, wanted: Wanted) -> Result<Vec<u8>> {
+    let cannot = || format!("cannot open {}", path.display());
+    ensure!(!path.is_dir(), "{}: {}", cannot(), WrongFile { kind: FileKind::Folder, wanted });
+    let mut file = File::open(path).with_context(cannot)?;
+    let (length, mut bytes) = (file.metadata().with_context(cannot)?.len(), Vec::new());
+    (&mut file).take(START as u64).read_to_end(&mut bytes).with_context(cannot)?;
+    wanted.check(FileKind::of(&bytes, length)).with_context(|| path.display().to_string())?;
+    file.read_to_end(&mut bytes).with_context(cannot)?;
+    Ok(bytes)
+}
+
+/// The text of such a file.
+///
+/// # Errors
+/// If it cannot be read, or is of another kind.
+pub fn text(path: &Path, wanted: Wanted) -> Result<String> {
+    Ok(file_kind::text_of(&bytes(path, wanted)?))
 }
 
 /// Keeps input that can be read only once in a temporary file.

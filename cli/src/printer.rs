@@ -1,9 +1,11 @@
 //! Printer: the simulated printer that commands have in common, as the command line names it.
 
+use crate::input;
 use anyhow::Result;
 use clap::Args;
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
+use corehbot_machine_file::file_kind::Wanted;
 use corehbot_machine_file::{self as machine_file, Machine};
 use corehbot_sim::asked;
 use corehbot_sim::eeprom::Eeprom;
@@ -46,7 +48,14 @@ impl Printer {
 
     /// The storage for its settings.
     pub(crate) fn eeprom(&self) -> Result<Option<Eeprom>> {
-        self.image().map(Eeprom::open).transpose()
+        let open = |path: &Path| {
+            // A new one is made where there is none.
+            if path.exists() {
+                input::bytes(path, Wanted::Storage)?;
+            }
+            Eeprom::open(path)
+        };
+        self.image().map(open).transpose()
     }
 
     /// Whether the command line says where its settings are kept, or that they are not.

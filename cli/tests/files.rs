@@ -162,45 +162,6 @@ fn what_is_no_gcode_is_refused_in_one_line_and_leaves_nothing() {
 }
 
 #[test]
-fn a_wrong_file_is_told_with_its_way_by_every_command() {
-    let place = scratch("wrong_files");
-    let file = |name: &str, text: &[u8]| {
-        let path = place.join(name);
-        std::fs::write(&path, text).unwrap();
-        path.display().to_string()
-    };
-    // Names and endings count for nothing.
-    let klipper = file("print.gcode", b"[printer]\nkinematics: corexy\nmax_velocity: 300\n");
-    let gcode = file("printer.cfg", b"G28\nG1 X5 F600\n");
-    let machine = file("data.csv", b"[axes.x]\nlength = 300\n");
-    let report = file("a.gcode", b"<!doctype html>\n<title>corehbot report</title>\n");
-    let folder = place.display().to_string();
-    let from = "`corehbot config from FILE` makes a machine file of it";
-    let cases: [(&[&str], String); 9] = [
-        (&["run", &klipper], format!("{klipper}: this is Klipper's printer.cfg, not G-code: {from}")),
-        (&["run", &gcode, "--machine", &klipper], format!("Klipper's printer.cfg, not a machine file: {from}")),
-        (&["run", &machine], "this is a machine file, not G-code: `--machine FILE` takes it".to_owned()),
-        (&["run", &report], "a page of `corehbot` with figures, not G-code".to_owned()),
-        (&["run", &folder], "this is a folder, not G-code".to_owned()),
-        (&["config", "check", &gcode], "this is G-code, not a machine file: `corehbot run FILE` prints it".to_owned()),
-        (&["config", "from", &machine], "this is a machine file, not another firmware's settings".to_owned()),
-        (&["twin", "stiffness", "--machine", &gcode], "this is G-code, not a machine file".to_owned()),
-        (&["resonance", &gcode], "this is G-code, not a recording".to_owned()),
-    ];
-    for (args, words) in cases {
-        let output = Command::new(env!("CARGO_BIN_EXE_corehbot")).args(args).output().unwrap();
-        let told = text(&output.stderr);
-        // `twin` has nothing to prepare.
-        assert_eq!(
-            output.status.code(),
-            Some(if args[0] == "run" || args[0] == "resonance" { 2 } else { 1 + i32::from(args[0] == "config") }),
-            "{told}"
-        );
-        assert!(told.contains(&words) && told.lines().count() == 1, "{args:?}: {told}");
-    }
-}
-
-#[test]
 fn a_file_in_place_of_a_command_is_told_with_its_command() {
     let place = scratch("no_command");
     for (text, words) in [

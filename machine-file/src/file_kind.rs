@@ -308,6 +308,20 @@ pub enum Wanted {
     Configuration,
     /// A recording of an accelerometer.
     Recording,
+    /// A study for `corehbot twin sweep`, in TOML.
+    Study,
+    /// Measurements for `corehbot twin fit`, in TOML.
+    Measurements,
+    /// The heaters of a simulated machine, in TOML.
+    Heaters,
+    /// The numbers of a test rig, in TOML.
+    Rig,
+    /// The figures of a command (`--json`).
+    Figures,
+    /// The settings that a printer has stored.
+    Storage,
+    /// An image of the firmware.
+    Image,
 }
 
 impl Wanted {
@@ -317,13 +331,20 @@ impl Wanted {
             Self::Machine => "a machine file",
             Self::Configuration => "another firmware's settings",
             Self::Recording => "a recording",
+            Self::Study => "a study (TOML)",
+            Self::Measurements => "measurements (TOML)",
+            Self::Heaters => "a file of heaters (TOML)",
+            Self::Rig => "a file of a rig (TOML)",
+            Self::Figures => "figures (JSON)",
+            Self::Storage => "stored settings",
+            Self::Image => "an image of this firmware",
         }
     }
 
     /// Whether it may be of this kind. What nothing is known of is read, and its first error told.
     const fn takes(self, kind: FileKind) -> bool {
-        use FileKind::{BinaryGcode, ConfigG, ConfigurationH, Csv, Empty, Gcode, Gzip, MachineFile};
-        use FileKind::{Packed, PrinterCfg, Recording, SettingCommands, Settings, Text, Zip};
+        use FileKind::{Binary, BinaryGcode, ConfigG, ConfigurationH, Csv, Empty, Gcode, Gzip, Json, MachineFile};
+        use FileKind::{Packed, PrinterCfg, Program, Recording, SettingCommands, Settings, Text, Zip};
         matches!(kind, Text | Empty)
             || match self {
                 Self::Gcode => matches!(kind, Gcode | SettingCommands | BinaryGcode | Gzip | Zip),
@@ -332,6 +353,11 @@ impl Wanted {
                     matches!(kind, PrinterCfg | ConfigurationH | Settings | SettingCommands | ConfigG)
                 }
                 Self::Recording => matches!(kind, Recording | Packed | Csv),
+                // Other files of TOML may have tables of a machine.
+                Self::Study | Self::Measurements | Self::Heaters | Self::Rig => matches!(kind, MachineFile),
+                Self::Figures => matches!(kind, Json),
+                Self::Storage => matches!(kind, Binary),
+                Self::Image => matches!(kind, Binary | Program),
             }
     }
 

@@ -62,6 +62,23 @@ fn one(pattern: &[char], letter: char) -> Option<usize> {
     }
 }
 
+/// A name that a pattern means.
+#[cfg(test)]
+pub(crate) fn sample(pattern: &str) -> String {
+    let (mut name, mut letters) = (String::new(), pattern.chars());
+    while let Some(letter) = letters.next() {
+        match letter {
+            '*' | '?' => name.push('x'),
+            '[' => {
+                name.extend(letters.next());
+                letters.by_ref().find(|letter| *letter == ']');
+            }
+            letter => name.push(letter),
+        }
+    }
+    name
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -9,7 +9,7 @@ use anyhow::{Context as _, Result, ensure};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use corehbot::connectors::BoardConnectors;
-use corehbot_machine_file::file_kind::{FileKind, START, Wanted, text_of};
+use corehbot_machine_file::file_kind::{FileKind, START, Wanted, WrongFile, text_of};
 use corehbot_machine_file::marlin::{self, Given, Kinematics};
 use corehbot_machine_file::{Translation, configuration_h, klipper as of_klipper, reprap};
 use corehbot_report::printable;
@@ -107,7 +107,14 @@ fn translated(args: &From) -> Result<Translation> {
         args.kinematics.is_none(),
         "--kinematics is for printers with Marlin or RepRapFirmware: {name} says its own kinematics"
     );
-    of_klipper::translate(&klipper::read(&first)?, args.board).map_err(anyhow::Error::msg)
+    if kind == FileKind::Empty {
+        return Err(WrongFile { kind, wanted: Wanted::Configuration }).context(name);
+    }
+    let config = klipper::read(&first)?;
+    if kind == FileKind::Text && !config.has_printer() {
+        return Err(WrongFile { kind, wanted: Wanted::Configuration }).context(name);
+    }
+    of_klipper::translate(&config, args.board).map_err(|error| anyhow::anyhow!("{name}: {error}"))
 }
 
 /// What a file is, and the begin of its text: all that a report or a source of settings has.

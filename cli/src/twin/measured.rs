@@ -3,7 +3,9 @@
 //! A number without an uncertainty of its own has the usual one of its kind (`Figure::usual_uncertainty`).
 
 use super::setup::syntax;
+use crate::input;
 use anyhow::{Context as _, Result, bail, ensure};
+use corehbot_machine_file::file_kind::Wanted;
 use corehbot_twin::calibration::{Direction, Figure, Measurement, Parameter, Weighed};
 use corehbot_twin::geometry::Workspace;
 use corehbot_twin::math::hypot;
@@ -177,7 +179,7 @@ impl Measured {
     /// The problem, with file and line.
     pub(super) fn read(path: &Path, machine: Machine, params: &Params, reach: &Workspace) -> Result<Self> {
         let file = path.display();
-        let text = std::fs::read_to_string(path).with_context(|| format!("cannot open {file}"))?;
+        let text = input::text(path, Wanted::Measurements)?;
         let toml: MeasuredToml =
             toml::from_str(&text).map_err(|error| syntax(&text, &error)).context(file.to_string())?;
         let folder = path.parent().unwrap_or(Path::new(""));
@@ -269,7 +271,8 @@ impl Reader<'_> {
             let path = self.folder.join(resonance.file.get_ref());
             let line = self.line(&resonance.file);
             let wanted = resonance.recording.as_ref().map(|name| name.get_ref().as_str());
-            let found = recorded(&path, at, wanted).with_context(|| format!("line {line}: {}", path.display()))?;
+            let text = input::text(&path, Wanted::Figures).with_context(|| format!("line {line}"))?;
+            let found = recorded(&text, at, wanted).with_context(|| format!("line {line}: {}", path.display()))?;
             self.found.extend(found.into_iter().map(|(name, found)| (format!("{name} in line {line}"), found)));
         }
         Ok(())
@@ -393,9 +396,8 @@ impl Reader<'_> {
 
 /// Frequency and damping of the strongest mode of each axis in the answer of `corehbot resonance`, which was recorded
 /// at this place: of the recording with this name, or of an axis' only one.
-fn recorded(path: &Path, at: Place, wanted: Option<&str>) -> Result<Vec<(String, Measurement)>> {
-    let text = std::fs::read_to_string(path).context("cannot open it")?;
-    let json: Value = serde_json::from_str(&text).context("it is not the --json of `corehbot resonance`")?;
+fn recorded(text: &str, at: Place, wanted: Option<&str>) -> Result<Vec<(String, Measurement)>> {
+    let json: Value = serde_json::from_str(text).context("it is not the --json of `corehbot resonance`")?;
     let list = |value: &Value| value.as_array().cloned().unwrap_or_default();
     let mut found = Vec::new();
     for axis in list(&json["axes"]) {

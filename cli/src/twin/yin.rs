@@ -3,8 +3,10 @@
 use super::answer::Json;
 use super::drawn;
 use super::setup::syntax;
-use anyhow::{Context as _, Result, anyhow, ensure};
+use crate::input;
+use anyhow::{Result, anyhow, ensure};
 use clap::{Args, ValueEnum};
+use corehbot_machine_file::file_kind::Wanted;
 use corehbot_report::yin::{figure_3, figure_4, figure_5};
 use corehbot_twin::yin::figure::{Figure3, Figure4, Figure5};
 use corehbot_twin::yin::state_space::{Input, StateSpace};
@@ -141,7 +143,7 @@ impl Yin {
 
     fn rig(&self) -> Result<Parameters> {
         let Some(path) = &self.rig else { return Ok(Parameters::default()) };
-        let text = std::fs::read_to_string(path).with_context(|| format!("cannot open {}", path.display()))?;
+        let text = input::text(path, Wanted::Rig)?;
         toml::from_str(&text).map_err(|error| anyhow!("{}: {}", path.display(), syntax(&text, &error)))
     }
 

@@ -98,7 +98,7 @@ fn measurements_that_do_not_do_are_told_in_one_line() {
         ("[[skew]]\nat = [195, 208.8]\nmrad = 1\n".to_owned(), "line 3: a CoreH-bot has no belts that turn its bar"),
         ("[[weight]]\nof = \"gantry\"\nmass_kg = 2\n".to_owned(), "line 3: a CoreH-bot has no gantry"),
         ("[[weight]]\nof = \"bed\"\nmass_kg = 2\n".to_owned(), "line 3: a CoreH-bot has no bed"),
-        ("[[resonance]]\nat = [195, 208.8]\nfile = \"no.json\"\n".to_owned(), "cannot open it"),
+        ("[[resonance]]\nat = [195, 208.8]\nfile = \"no.json\"\n".to_owned(), "cannot open "),
         (
             format!("{ring}{}{weights}", ring.replace("101", "202")),
             "no machine measures like this: of ring x_Hz in line 6",

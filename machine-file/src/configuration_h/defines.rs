@@ -3,7 +3,7 @@
 //! `//#define` is off. A condition that needs names of Marlin's other files may be unknown: then all of its branches
 //! are read, and of a name with two values neither counts.
 
-use super::expression::{Names, value};
+use super::expression::{Names, Number, value};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A define that counts, as far as is known.
@@ -81,7 +81,7 @@ impl Defines {
             .map_or((rest, ""), |(word, _)| (word, rest[word.len()..].trim()));
         let is_on = |open: &[Condition]| open.iter().all(|condition| condition.is_on != Some(false));
         let condition = |this: &Self, open: &[Condition]| match is_on(open) {
-            true => value(rest, this, 0).map(|number| number != 0.0),
+            true => value(rest, this, 0).map(Number::is_true),
             false => Some(false),
         };
         match word {
@@ -160,7 +160,7 @@ impl Defines {
 
     /// The number of a name.
     pub fn of(&self, name: &str) -> Option<f64> {
-        value(&self.find(name)?.value, self, 0)
+        value(&self.find(name)?.value, self, 0).map(|number| number.value)
     }
 
     /// Whether a name is switched on.
@@ -188,12 +188,39 @@ impl Defines {
                 last.push(letter);
             }
         }
-        parts.iter().map(|part| value(part, self, 0)).collect()
+        parts.iter().map(|part| value(part, self, 0).map(|number| number.value)).collect()
+    }
+
+    /// The numbers of a list of pairs.
+    pub fn pairs(&self, name: &str) -> Vec<Vec<Option<f64>>> {
+        let Some(define) = self.find(name) else { return Vec::new() };
+        let inner = define.value.split('{').filter_map(|part| part.split_once('}'));
+        let number = |text: &str| value(text, self, 0).map(|number| number.value);
+        inner.map(|(pair, _)| pair.split(',').map(number).collect()).collect()
     }
 
     /// The type of the driver of an axis.
     pub fn driver(&self, axis: &str) -> Option<&str> {
         self.find(&format!("{axis}_DRIVER_TYPE")).map(|define| define.value.as_str())
+    }
+
+    /// The middle and the edges of the bed (`Marlin/src/inc/Conditionals-5-post.h`): the middle of a bed is at 0 or
+    /// half its size, and half of a whole number is whole in C.
+    fn of_bed(&self, name: &str, depth: usize) -> Option<Number> {
+        let (axis, of) = name.split_once('_')?;
+        if !["X", "Y"].contains(&axis) || !["CENTER", "MIN_BED", "MAX_BED"].contains(&of) {
+            return None;
+        }
+        let size = self.number(&format!("{axis}_BED_SIZE"), depth + 1)?;
+        let half = size.over(Number::whole(2.0))?;
+        let centred = self.has("BED_CENTER_AT_0_0");
+        let (centre, least) = if centred { (0.0, -half.value) } else { (half.value, 0.0) };
+        let value = match of {
+            "CENTER" => centre,
+            "MIN_BED" => least,
+            _ => least + size.value,
+        };
+        Some(Number { value, is_whole: size.is_whole })
     }
 
     fn has_tmc(&self) -> Option<bool> {
@@ -204,25 +231,25 @@ impl Defines {
 }
 
 impl Names for Defines {
-    fn number(&self, name: &str, depth: usize) -> Option<f64> {
-        let of = |is: bool| Some(if is { 1.0 } else { 0.0 });
+    fn number(&self, name: &str, depth: usize) -> Option<Number> {
+        let of = |is: bool| Some(Number::whole(if is { 1.0 } else { 0.0 }));
         match self.current.get(name) {
             Some(_) => {
                 let define = self.find(name)?;
                 if define.value.is_empty() { None } else { value(&define.value, self, depth) }
             }
-            None if self.known.contains(name) => Some(0.0),
+            None if self.known.contains(name) => of(false),
             // Names that Marlin derives from settings (`Marlin/src/inc/Conditionals*.h`).
             None => match name {
                 "HAS_TRINAMIC_CONFIG" | "HAS_STEALTHCHOP" | "HAS_TMC_UART" => self.has_tmc().and_then(of),
                 "HAS_EXTRUDERS" | "HAS_HOTEND" | "HAS_E_TEMP_SENSOR" => of(self.of("EXTRUDERS")? > 0.0),
                 "HAS_MULTI_EXTRUDER" | "HAS_MULTI_HOTEND" => of(self.of("EXTRUDERS")? > 1.0),
-                "HOTENDS" | "E_STEPPERS" => self.of("EXTRUDERS"),
+                "HOTENDS" | "E_STEPPERS" => self.of("EXTRUDERS").map(Number::whole),
                 "HAS_HEATED_BED" => of(self.of("TEMP_SENSOR_BED")? != 0.0),
-                "HAS_X_AXIS" | "HAS_Y_AXIS" | "HAS_Z_AXIS" => Some(1.0),
+                "HAS_X_AXIS" | "HAS_Y_AXIS" | "HAS_Z_AXIS" => of(true),
                 "HAS_CLASSIC_JERK" => of(self.has("CLASSIC_JERK")),
                 "HAS_JUNCTION_DEVIATION" => of(!self.has("CLASSIC_JERK")),
-                _ => None,
+                _ => self.of_bed(name, depth),
             },
         }
     }
@@ -242,7 +269,7 @@ impl Names for Defines {
                 Some(value.is_empty() || value == "1" || value == "true")
             }
             (None, true) => Some(false),
-            (None, false) => self.number(name, 0).map(|number| number != 0.0),
+            (None, false) => self.number(name, 0).map(Number::is_true),
         }
     }
 

@@ -4,7 +4,7 @@
 /// Names, for expressions.
 pub(super) trait Names {
     /// The number of a name, if it is known.
-    fn number(&self, name: &str, depth: usize) -> Option<f64>;
+    fn number(&self, name: &str, depth: usize) -> Option<Number>;
     /// Whether it is defined.
     fn is_defined(&self, name: &str) -> Option<bool>;
     /// Whether it is defined and switched on: it has no value, or 1, or true.
@@ -17,7 +17,7 @@ pub(super) trait Names {
 const DEEPEST: usize = 40;
 
 /// The value of an expression; `None` if something in it is not known.
-pub(super) fn value(text: &str, names: &dyn Names, depth: usize) -> Option<f64> {
+pub(super) fn value(text: &str, names: &dyn Names, depth: usize) -> Option<Number> {
     if depth > DEEPEST {
         return None;
     }
@@ -26,18 +26,44 @@ pub(super) fn value(text: &str, names: &dyn Names, depth: usize) -> Option<f64> 
     parser.rest.trim().is_empty().then_some(value)?
 }
 
+/// A number of C: a quotient of two whole ones is whole.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) struct Number {
+    pub value: f64,
+    pub is_whole: bool,
+}
+
+impl Number {
+    pub fn whole(value: f64) -> Self {
+        Self { value, is_whole: true }
+    }
+
+    fn truth(is: bool) -> Self {
+        Self::whole(if is { 1.0 } else { 0.0 })
+    }
+
+    pub fn is_true(self) -> bool {
+        self.value != 0.0
+    }
+
+    fn with(self, other: Self, value: f64) -> Self {
+        Self { value, is_whole: self.is_whole && other.is_whole }
+    }
+
+    pub fn over(self, other: Self) -> Option<Self> {
+        let quotient = (other.value != 0.0).then(|| self.with(other, self.value / other.value))?;
+        Some(if quotient.is_whole { Self::whole(quotient.value.trunc()) } else { quotient })
+    }
+}
+
 /// A known number, or none; the outer `Option` of the parser is for text that is no expression.
-type Known = Option<f64>;
+type Known = Option<Number>;
 
 struct Parser<'t> {
     rest: &'t str,
     names: &'t dyn Names,
     depth: usize,
     levels: usize,
-}
-
-fn truth(is: bool) -> f64 {
-    if is { 1.0 } else { 0.0 }
 }
 
 impl<'t> Parser<'t> {
@@ -57,8 +83,8 @@ impl<'t> Parser<'t> {
         while self.eat("||") {
             let right = self.all()?;
             left = match (left, right) {
-                (Some(a), _) | (_, Some(a)) if a != 0.0 => Some(1.0),
-                (Some(_), Some(_)) => Some(0.0),
+                (Some(a), _) | (_, Some(a)) if a.is_true() => Some(Number::truth(true)),
+                (Some(_), Some(_)) => Some(Number::truth(false)),
                 _ => None,
             };
         }
@@ -70,8 +96,8 @@ impl<'t> Parser<'t> {
         while self.eat("&&") {
             let right = self.comparison()?;
             left = match (left, right) {
-                (Some(a), _) | (_, Some(a)) if a == 0.0 => Some(0.0),
-                (Some(_), Some(_)) => Some(1.0),
+                (Some(a), _) | (_, Some(a)) if !a.is_true() => Some(Number::truth(false)),
+                (Some(_), Some(_)) => Some(Number::truth(true)),
                 _ => None,
             };
         }
@@ -92,7 +118,7 @@ impl<'t> Parser<'t> {
         for (sign, compare) in SIGNS {
             if self.eat(sign) {
                 let right = self.sum()?;
-                return Some(left.zip(right).map(|(a, b)| truth(compare(a, b))));
+                return Some(left.zip(right).map(|(a, b)| Number::truth(compare(a.value, b.value))));
             }
         }
         Some(left)
@@ -109,7 +135,7 @@ impl<'t> Parser<'t> {
                 return Some(left);
             };
             let right = self.product()?;
-            left = left.zip(right).map(|(a, b)| a + sign * b);
+            left = left.zip(right).map(|(a, b)| a.with(b, a.value + sign * b.value));
         }
     }
 
@@ -118,10 +144,10 @@ impl<'t> Parser<'t> {
         loop {
             if self.eat("*") {
                 let right = self.unary()?;
-                left = left.zip(right).map(|(a, b)| a * b);
+                left = left.zip(right).map(|(a, b)| a.with(b, a.value * b.value));
             } else if self.eat("/") {
                 let right = self.unary()?;
-                left = left.zip(right).filter(|(_, b)| *b != 0.0).map(|(a, b)| a / b);
+                left = left.zip(right).and_then(|(a, b)| a.over(b));
             } else {
                 return Some(left);
             }
@@ -136,9 +162,9 @@ impl<'t> Parser<'t> {
         self.rest = self.rest.trim_start();
         let value = if self.rest.starts_with('!') && !self.rest.starts_with("!=") {
             self.rest = &self.rest[1..];
-            self.unary()?.map(|a| truth(a == 0.0))
+            self.unary()?.map(|a| Number::truth(!a.is_true()))
         } else if self.eat("-") {
-            self.unary()?.map(|a| -a)
+            self.unary()?.map(|a| Number { value: -a.value, ..a })
         } else if self.eat("+") {
             self.unary()?
         } else if self.eat("(") {
@@ -163,11 +189,11 @@ impl<'t> Parser<'t> {
             return number(word).map(Some);
         }
         if word == "true" || word == "false" {
-            return Some(Some(truth(word == "true")));
+            return Some(Some(Number::truth(word == "true")));
         }
         if word == "defined" && !self.rest.trim_start().starts_with('(') {
             let name = self.atom_name()?;
-            return Some(self.names.is_defined(name).map(truth));
+            return Some(self.names.is_defined(name).map(Number::truth));
         }
         if self.eat("(") {
             let end = self.rest.find(')')?;
@@ -202,15 +228,17 @@ impl<'t> Parser<'t> {
             "defined" => self.names.is_defined(inner.trim()),
             _ => self.names.is_of_driver(name, inner.trim()),
         };
-        is.map(truth)
+        is.map(Number::truth)
     }
 }
 
 /// A number with the suffixes of C.
-fn number(word: &str) -> Option<f64> {
+fn number(word: &str) -> Option<Number> {
     if let Some(digits) = word.strip_prefix("0x").or_else(|| word.strip_prefix("0X")) {
-        return i64::from_str_radix(digits, 16).ok().map(|number| number as f64);
+        return i64::from_str_radix(digits, 16).ok().map(|number| Number::whole(number as f64));
     }
     let plain = word.trim_end_matches(['f', 'F', 'u', 'U', 'l', 'L']);
-    plain.parse().ok().filter(|number: &f64| number.is_finite())
+    let is_whole = word.trim_end_matches(['u', 'U', 'l', 'L']).chars().all(|c| c.is_ascii_digit());
+    let value = plain.parse().ok().filter(|number: &f64| number.is_finite())?;
+    Some(Number { value, is_whole })
 }

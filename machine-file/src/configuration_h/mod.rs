@@ -6,14 +6,22 @@
 //! | `expression` | conditions and values |
 //! | `defines` | texts to the defines that count |
 //! | `words` | defines as words of Marlin |
-//! | `parts` | defines that no answer of a printer says |
+//! | `parts` | defines that no answer of a printer says: the machine, the bed, heaters |
+//! | `homing` | homing, the probe, the place where Z is homed |
+//! | `plugs` | directions of motors, levels of switches |
+//! | `others` | drivers, fans, pauses, switches of other defines |
+//! | `look` | the work on one define |
 //! | `tables` | what to say of the rest |
 //!
 //! Most defines are the numbers that M503 reports, so they become its words (`marlin::source`).
 
 mod defines;
 mod expression;
+mod homing;
+mod look;
+mod others;
 mod parts;
+mod plugs;
 mod tables;
 mod words;
 
@@ -55,9 +63,9 @@ pub fn translate(files: &[(&str, &str)], given: Given) -> Translation {
     words::words(&defines, &mut source);
     let (said, places) = (source.said(), source.places());
     let mut work = Work::of(&said, places);
-    parts::before(&mut work, &defines);
+    parts::before(&mut work, &defines, given.board);
     of_words(&mut work, given);
-    parts::after(&mut work, &defines, given);
+    plugs::after(&mut work, &defines, given);
     let board = given.board.unwrap_or(&BoardConnectors::ANY);
     source.translation(&work, board, "Configuration.h", |item| match tables::remark(&item.key) {
         Some((kind, text)) => Verdict::new(kind, text),

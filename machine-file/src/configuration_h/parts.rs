@@ -1,7 +1,8 @@
 //! Defines that no answer of a printer says: homing, the bed, directions, sensors, the probe.
 
 use super::defines::Defines;
-use crate::marlin::Given;
+use super::look::Look;
+use super::{homing, others};
 use crate::marlin::source::ITEM;
 use crate::marlin::work::Work;
 use crate::thermistor::{points, written};
@@ -26,52 +27,16 @@ pub(super) fn board(defines: &Defines) -> Option<&'static BoardConnectors> {
     corehbot_boards::called(key)
 }
 
-/// The work on one define: its entry, and its numbers.
-struct Look<'w, 'd, 's> {
-    work: &'w mut Work<'s>,
-    defines: &'d Defines,
-}
-
-impl Look<'_, '_, '_> {
-    fn entry(&self, name: &str) -> Option<usize> {
-        self.defines.find(name)?;
-        self.work.said.find(ITEM, name)
-    }
-
-    fn number(&mut self, name: &str) -> Option<(usize, f64)> {
-        let entry = self.entry(name)?;
-        match self.defines.of(name) {
-            Some(number) => Some((entry, number)),
-            None => {
-                self.work.say(entry, Kind::Decide, "its value is not known here: write it yourself");
-                None
-            }
-        }
-    }
-
-    fn take(&mut self, name: &str, path: &str, times: f64) -> Option<f64> {
-        let (entry, number) = self.number(name)?;
-        self.work.take_number(entry, path, number * times);
-        Some(number)
-    }
-
-    fn say(&mut self, name: &str, kind: Kind, text: impl Into<String>) {
-        if let Some(entry) = self.entry(name) {
-            self.work.say(entry, kind, text);
-        }
-    }
-}
-
-const AXES: [&str; 3] = ["x", "y", "z"];
-
 /// What stands before the words of Marlin, which only fill in what is left.
-pub(super) fn before(work: &mut Work<'_>, defines: &Defines) {
+pub(super) fn before(work: &mut Work<'_>, defines: &Defines, board: Option<&'static BoardConnectors>) {
     let mut look = Look { work, defines };
     conflicts(&mut look);
-    homing(&mut look);
+    homing::homing(&mut look);
     bed(&mut look);
     heat(&mut look);
-    probe(&mut look);
+    other_sensors(&mut look);
+    homing::probe(&mut look);
+    others::before(&mut look, board);
     if look.defines.has("PREVENT_LENGTHY_EXTRUDE") {
         look.take("EXTRUDE_MAXLENGTH", "axes.e.length", 1.0);
         look.say("PREVENT_LENGTHY_EXTRUDE", Kind::Taken, "axes.e.length");
@@ -83,11 +48,13 @@ pub(super) fn before(work: &mut Work<'_>, defines: &Defines) {
         ("BAUDRATE", "baud", 1.0),
         ("EXTRUDER_AUTO_FAN_TEMPERATURE", "thermal.hotend_fan_above", 1.0),
         ("CONTROLLERFAN_IDLE_TIME", "thermal.fan_run_on_s", 1.0),
+        ("CONTROLLERFAN_SECS", "thermal.fan_run_on_s", 1.0),
         ("GRID_MAX_POINTS_X", "mesh.columns", 1.0),
         ("GRID_MAX_POINTS_Y", "mesh.rows", 1.0),
         ("MULTIPLE_PROBING", "probe.samples", 1.0),
         ("Z_CLEARANCE_DEPLOY_PROBE", "probe.deploy_clearance", 1.0),
         ("Z_CLEARANCE_BETWEEN_PROBES", "probe.clearance", 1.0),
+        ("DELAY_BEFORE_PROBING", "probe.quiet", 1.0 / 1000.0),
         ("XY_PROBE_FEEDRATE", "probe.travel", 1.0 / 60.0),
         ("XY_PROBE_SPEED", "probe.travel", 1.0 / 60.0),
         ("Z_PROBE_FEEDRATE_FAST", "probe.fast", 1.0 / 60.0),
@@ -115,37 +82,6 @@ fn conflicts(look: &mut Look<'_, '_, '_>) {
         if let Some(entry) = entry {
             look.work.say(entry, kind, text);
         }
-    }
-}
-
-/// Speeds of homing, the way back, and where a switch sits.
-fn homing(look: &mut Look<'_, '_, '_>) {
-    let of = |look: &Look<'_, '_, '_>, name: &str, axis: usize| look.defines.list(name).get(axis).copied().flatten();
-    for (axis, name) in AXES.into_iter().enumerate() {
-        let key = |leaf: &str| format!("homing.{name}.{leaf}");
-        let fast = of(look, "HOMING_FEEDRATE_MM_M", axis).map(|speed| speed / 60.0).or_else(|| {
-            let old = if axis == 2 { "HOMING_FEEDRATE_Z" } else { "HOMING_FEEDRATE_XY" };
-            look.defines.of(old).map(|speed| speed / 60.0)
-        });
-        let source = ["HOMING_FEEDRATE_MM_M", if axis == 2 { "HOMING_FEEDRATE_Z" } else { "HOMING_FEEDRATE_XY" }];
-        let source = source.into_iter().find_map(|name| look.entry(name));
-        if let (Some(entry), Some(fast)) = (source, fast) {
-            look.work.take_number(entry, &key("fast"), fast);
-            if let (Some(entry), Some(divisor)) =
-                (look.entry("HOMING_BUMP_DIVISOR"), of(look, "HOMING_BUMP_DIVISOR", axis).filter(|by| *by > 0.0))
-            {
-                look.work.take_number(entry, &key("slow"), fast / divisor);
-            }
-        }
-        if let (Some(entry), Some(bump)) = (look.entry("HOMING_BUMP_MM"), of(look, "HOMING_BUMP_MM", axis)) {
-            if bump > 0.0 {
-                look.work.take_number(entry, &key("back_off"), bump);
-            } else {
-                look.work.say(entry, Kind::Approximated, format!("{name} meets its switch twice"));
-            }
-        }
-        let manual = format!("MANUAL_{}_HOME_POS", name.to_ascii_uppercase());
-        look.take(&manual, &key("position"), 1.0);
     }
 }
 
@@ -202,7 +138,12 @@ fn heat(look: &mut Look<'_, '_, '_>) {
             look.work.say(entry, Kind::Taken, format!("less its overshoot of {overshoot}"));
         }
     }
-    for (name, path) in [("BANG_MAX", ""), ("PID_MAX", ""), ("MAX_BED_POWER", "heaters.bed.max_duty")] {
+    for (name, path) in [
+        ("BANG_MAX", ""),
+        ("PID_MAX", ""),
+        ("MAX_BED_POWER", "heaters.bed.max_duty"),
+        ("MAX_CHAMBER_POWER", "heaters.chamber.max_duty"),
+    ] {
         match look.number(name) {
             Some((entry, number)) if !path.is_empty() => look.work.take_number(entry, path, number / 255.0),
             Some((entry, 255.0)) => look.work.say(entry, Kind::NotNeeded, "full power"),
@@ -212,151 +153,27 @@ fn heat(look: &mut Look<'_, '_, '_>) {
     }
 }
 
-/// Kinds of probes.
-const PROBES: [(&str, &str); 4] = [
-    ("BLTOUCH", "bltouch"),
-    ("FIX_MOUNTED_PROBE", "switch"),
-    ("Z_PROBE_SERVO_NR", "switch"),
-    ("NOZZLE_AS_PROBE", "nozzle"),
-];
-
-/// The probe, and the place where Z is homed by it.
-fn probe(look: &mut Look<'_, '_, '_>) {
-    for (name, kind) in PROBES {
-        // A number of a servo is no switch.
-        let is_on = look.defines.has(name) || (name == "Z_PROBE_SERVO_NR" && look.defines.find(name).is_some());
-        if let Some(entry) = look.entry(name).filter(|_| is_on) {
-            if look.work.lines.get("probe.kind").is_none() {
-                look.work.take(entry, "probe.kind", kind);
-                let keys = [("endstops.probe".to_owned(), "".into())];
-                look.work.fill_in(&keys, "the input of the probe");
+/// Sensors without a heater, and hotends beside the first.
+fn other_sensors(look: &mut Look<'_, '_, '_>) {
+    for (name, place) in [("TEMP_SENSOR_PROBE", "probe"), ("TEMP_SENSOR_BOARD", "board")] {
+        let path = format!("sensors.{place}");
+        match look.number(name).map(|(entry, number)| (entry, number, sensor(number))) {
+            Some((entry, 0.0, _)) => look.work.say(entry, Kind::NotNeeded, "no such sensor"),
+            Some((entry, _, Some((value, text)))) => {
+                look.work.take(entry, &format!("{path}.thermistor"), value);
+                look.work.say(entry, Kind::Taken, text);
+                let keys = [(format!("{path}.is_fitted"), false.into())];
+                look.work.fill_in(&keys, &format!("true when {path}.sensor is filled in"));
             }
-            if name == "Z_PROBE_SERVO_NR" {
-                look.work.say(entry, Kind::NotYet, "no servo but a BLTouch's");
+            Some((entry, ..)) => {
+                look.work.say(entry, Kind::NotYet, format!("write a sensor near it into {path}.thermistor"));
             }
-        }
-    }
-    let has_probe = look.work.lines.get("probe.kind").is_some();
-    for name in ["USE_PROBE_FOR_Z_HOMING", "Z_MIN_PROBE_USES_Z_MIN_ENDSTOP_PIN"] {
-        if let Some(entry) = look.entry(name).filter(|_| has_probe && look.defines.has(name)) {
-            look.work.take(entry, "probe.z_home", true);
-        }
-    }
-    let by_probe = look.work.lines.get("probe.z_home").is_some();
-    for (name, axis, [from, size]) in [
-        ("Z_SAFE_HOMING_X_POINT", "x", ["bed.left", "bed.width"]),
-        ("Z_SAFE_HOMING_Y_POINT", "y", ["bed.front", "bed.depth"]),
-    ] {
-        let (path, switch) = (format!("probe.home.{axis}"), format!("safe_z_home.{axis}"));
-        if !look.defines.has("Z_SAFE_HOMING") {
-            continue;
-        }
-        let is_centre = look.defines.find(name).is_some_and(|define| define.value.contains("_CENTER"));
-        match look.entry(name) {
-            Some(entry) if is_centre && by_probe => {
-                look.work.take(entry, &path, "auto");
-                look.work.say(entry, Kind::Taken, "the middle of the bed");
-            }
-            // Marlin takes the probe there (`Marlin/src/gcode/calibrate/G28.cpp`, home_z_safely).
-            Some(_) if by_probe => drop(look.take(name, &path, 1.0)),
-            Some(entry) if is_centre => match [from, size].map(|key| look.work.lines.number(key)) {
-                [begin, Some(size)] => {
-                    look.work.take_number(entry, &switch, begin.unwrap_or(0.0) + size / 2.0);
-                    look.work.say(entry, Kind::Taken, "the middle of the bed");
-                }
-                [_, None] => look.work.say(entry, Kind::Decide, "the middle of a bed without a size: correct it"),
-            },
-            Some(_) => drop(look.take(name, &switch, 1.0)),
             None => {}
         }
     }
-    look.say("Z_SAFE_HOMING", Kind::Taken, "Z homes at its place");
-}
-
-/// What needs the names and plugs of motors and switches.
-pub(super) fn after(work: &mut Work<'_>, defines: &Defines, given: Given) {
-    let mut look = Look { work, defines };
-    if let Some(entry) = look.entry("MOTHERBOARD") {
-        let name = look.defines.find("MOTHERBOARD").map_or("", |define| define.value.as_str());
-        let of_file = board(look.defines).map(|board| board.key);
-        match (of_file, given.board) {
-            (Some(key), Some(board)) if key == board.key => {
-                look.work.say(entry, Kind::Taken, format!("board = {key:?}"))
-            }
-            (_, Some(board)) => look.work.say(entry, Kind::NotNeeded, format!("--board names the {}", board.name)),
-            (_, None) => {
-                let text = format!("{name} is not supported: --board names the board that the machine gets");
-                look.work.say(entry, Kind::Decide, text);
-            }
-        }
-    }
-    for motor in ["X", "Y", "Z", "E0"] {
-        let (name, path) = (format!("INVERT_{motor}_DIR"), format!("motors.{}", motor.to_ascii_lowercase()));
-        turned(&mut look, &name, &path);
-        drivers(&mut look, motor);
-    }
-    for axis in ["X", "Y", "Z"] {
-        let end = if look.defines.of(&format!("{axis}_HOME_DIR")).is_some_and(|dir| dir > 0.0) { "MAX" } else { "MIN" };
-        let path = format!("endstops.{}", axis.to_ascii_lowercase());
-        for other in ["MIN", "MAX"] {
-            for leaf in ["ENDSTOP_INVERTING", "ENDSTOP_HIT_STATE"] {
-                let name = format!("{axis}_{other}_{leaf}");
-                if other == end {
-                    contact(&mut look, &name, &path);
-                } else {
-                    look.say(&name, Kind::NotNeeded, "no switch there homes the axis");
-                }
-            }
-        }
-    }
-    for name in ["Z_MIN_PROBE_ENDSTOP_INVERTING", "Z_MIN_PROBE_ENDSTOP_HIT_STATE"] {
-        contact(&mut look, name, "endstops.probe");
-    }
-}
-
-/// A direction: `!` in front of the socket.
-fn turned(look: &mut Look<'_, '_, '_>, name: &str, path: &str) {
-    if look.defines.find(name).is_none() || look.work.lines.get(path).is_none() {
-        return;
-    }
-    mark(look, name, path, look.defines.has(name));
-}
-
-/// A contact: Marlin's level of a switch that has triggered. With `inverting`, or a low one, it closes to ground.
-fn contact(look: &mut Look<'_, '_, '_>, name: &str, path: &str) {
-    let Some(define) = look.defines.find(name) else { return };
-    let closes = define.value == "LOW" || look.defines.has(name);
-    let closes = if name.ends_with("HIT_STATE") { define.value == "LOW" } else { closes };
-    if look.work.lines.get(path).is_some() {
-        mark(look, name, path, closes);
-    }
-}
-
-/// Puts `!` in front of a connector, or of the place for it.
-fn mark(look: &mut Look<'_, '_, '_>, name: &str, path: &str, is_marked: bool) {
-    let plug = look.work.lines.get(path).and_then(Toml::as_str).unwrap_or_default().to_owned();
-    let Some(entry) = look.entry(name) else { return };
-    let is_open = plug.is_empty();
-    let how = match (is_marked, is_open) {
-        (false, _) => format!("{path} is without `!`"),
-        (true, false) => format!("{path} has `!`"),
-        (true, true) => format!("write `!` before the connector in {path}"),
-    };
-    if is_marked && !is_open {
-        look.work.plug(path, &format!("!{plug}"), &format!("to be filled in; `!`: {name}"));
-    }
-    look.work.say(entry, if is_marked && is_open { Kind::Approximated } else { Kind::Taken }, how);
-}
-
-/// The kind of a motor's driver.
-fn drivers(look: &mut Look<'_, '_, '_>, motor: &str) {
-    let name = format!("{motor}_DRIVER_TYPE");
-    let Some(driver) = look.defines.find(&name).map(|define| define.value.clone()) else { return };
-    match driver.as_str() {
-        "TMC2209" => look.say(&name, Kind::Taken, "the driver there is"),
-        _ => {
-            let text = format!("{driver}: the motor needs a TMC2209, with a current of its own");
-            look.say(&name, Kind::Approximated, text);
+    for hotend in 1..8 {
+        if let Some((entry, 0.0)) = look.number(&format!("TEMP_SENSOR_{hotend}")) {
+            look.work.say(entry, Kind::NotNeeded, "no other hotend");
         }
     }
 }

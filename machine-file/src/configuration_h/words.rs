@@ -1,6 +1,7 @@
 //! Defines as words of Marlin: what M503, M115, M211, M119 and M122 would say of them.
 
 use super::defines::{Define, Defines};
+use super::expression::Names;
 use crate::marlin::source::{Item, Source};
 
 /// Lists of numbers for x, y, z and e, and the command that reports them.
@@ -8,7 +9,7 @@ const LISTS: [(&str, &str); 3] =
     [("DEFAULT_AXIS_STEPS_PER_UNIT", "M92"), ("DEFAULT_MAX_FEEDRATE", "M203"), ("DEFAULT_MAX_ACCELERATION", "M201")];
 
 /// Single numbers, the define that switches them on (or `!` and one that switches them off), and their words.
-const NUMBERS: [(&str, &str, &str, &str); 40] = [
+const NUMBERS: [(&str, &str, &str, &str); 49] = [
     ("DEFAULT_ACCELERATION", "", "M204", "P"),
     ("DEFAULT_RETRACT_ACCELERATION", "", "M204", "R"),
     ("DEFAULT_TRAVEL_ACCELERATION", "", "M204", "T"),
@@ -23,6 +24,12 @@ const NUMBERS: [(&str, &str, &str, &str); 40] = [
     ("DEFAULT_Kp", "PIDTEMP", "M301", "P"),
     ("DEFAULT_Ki", "PIDTEMP", "M301", "I"),
     ("DEFAULT_Kd", "PIDTEMP", "M301", "D"),
+    ("DEFAULT_Kp_LIST", "PID_PARAMS_PER_HOTEND", "M301", "P"),
+    ("DEFAULT_Ki_LIST", "PID_PARAMS_PER_HOTEND", "M301", "I"),
+    ("DEFAULT_Kd_LIST", "PID_PARAMS_PER_HOTEND", "M301", "D"),
+    ("DEFAULT_KP_LIST", "PID_PARAMS_PER_HOTEND", "M301", "P"),
+    ("DEFAULT_KI_LIST", "PID_PARAMS_PER_HOTEND", "M301", "I"),
+    ("DEFAULT_KD_LIST", "PID_PARAMS_PER_HOTEND", "M301", "D"),
     ("DEFAULT_bedKp", "PIDTEMPBED", "M304", "P"),
     ("DEFAULT_bedKi", "PIDTEMPBED", "M304", "I"),
     ("DEFAULT_bedKd", "PIDTEMPBED", "M304", "D"),
@@ -48,6 +55,9 @@ const NUMBERS: [(&str, &str, &str, &str); 40] = [
     ("SHAPING_ZETA_X", "INPUT_SHAPING_X", "M593", "X D"),
     ("SHAPING_FREQ_Y", "INPUT_SHAPING_Y", "M593", "Y F"),
     ("SHAPING_ZETA_Y", "INPUT_SHAPING_Y", "M593", "Y D"),
+    ("X_PROBE_OFFSET_FROM_EXTRUDER", "", "M851", "X"),
+    ("Y_PROBE_OFFSET_FROM_EXTRUDER", "", "M851", "Y"),
+    ("Z_PROBE_OFFSET_FROM_EXTRUDER", "", "M851", "Z"),
     ("DEFAULT_KEEPALIVE_INTERVAL", "HOST_KEEPALIVE_FEATURE", "M113", "S"),
 ];
 
@@ -118,6 +128,7 @@ fn of_define(defines: &Defines, source: &mut Source, item: usize, define: &Defin
         number_or_text(source, item, (code, word), defines.list(name).first().copied().flatten(), &define.value);
     }
     of_motor(defines, source, item, name);
+    more_motors(defines, source, item, name);
     of_axis(defines, source, item, name);
     match name {
         "EXTRUDERS" => {
@@ -133,6 +144,9 @@ fn of_define(defines: &Defines, source: &mut Source, item: usize, define: &Defin
                 number_or_text(source, item, ("M851", axis), number, &define.value);
             }
         }
+        "Z_STEPPER_ALIGN_XY" | "Z_STEPPER_ALIGN_STEPPER_XY" if defines.has("Z_STEPPER_AUTO_ALIGN") => {
+            screws(defines, source, item, name);
+        }
         _ if KINEMATICS.contains(&name) && defines.has(name) => {
             source.word(item, "M115", "KINEMATICS", name);
             return true;
@@ -140,6 +154,20 @@ fn of_define(defines: &Defines, source: &mut Source, item: usize, define: &Defin
         _ => {}
     }
     false
+}
+
+/// Places of the screws of z, and of the points where the probe measures for them (`GcodeSuite::G34` in
+/// `Marlin/src/gcode/calibrate/G34_M422.cpp`). Without places of their own the points stand for the screws.
+fn screws(defines: &Defines, source: &mut Source, item: usize, name: &str) {
+    let own = if name == "Z_STEPPER_ALIGN_XY" { "S" } else { "W" };
+    let is_both = own == "S" && defines.find("Z_STEPPER_ALIGN_STEPPER_XY").is_none();
+    for (screw, place) in defines.pairs(name).into_iter().enumerate() {
+        for letter in [own, "W"].into_iter().take(if is_both { 2 } else { 1 }) {
+            for (axis, at) in ["X", "Y"].into_iter().zip(&place) {
+                number_or_text(source, item, ("M422", &format!("{letter}{} {axis}", screw + 1)), *at, name);
+            }
+        }
+    }
 }
 
 /// The numbers of x, y, z and e: lists may have axes between z and e, which no machine here has.
@@ -165,7 +193,10 @@ fn of_motor(defines: &Defines, source: &mut Source, item: usize, name: &str) {
         match leaf {
             // Without a number of its own a second motor is known by its driver.
             "DRIVER_TYPE" if motor.len() > 1 && !motor.starts_with('E') => {
-                let first = motor.get(..1).unwrap_or_default();
+                let (first, part) = motor.split_at(1);
+                if part.parse().is_ok_and(|part: usize| part > most_motors(defines, first)) {
+                    continue;
+                }
                 let own = defines.of(&format!("{motor}_MICROSTEPS"));
                 let microsteps = own.or_else(|| defines.of(&format!("{first}_MICROSTEPS"))).unwrap_or(16.0);
                 source.number(item, "M122", word, microsteps);
@@ -185,6 +216,37 @@ fn of_motor(defines: &Defines, source: &mut Source, item: usize, name: &str) {
         if name == switch && defines.has(switch) {
             axes.iter().filter(is_here).for_each(|axis| source.word(item, "M569", axis, "1"));
         }
+    }
+}
+
+/// Motors that an axis may have: before Marlin 2.1 a number or a switch says it beside the types of drivers. The X2 of
+/// a second carriage is no motor of x (`HAS_SYNCED_X_STEPPERS` in `Marlin/src/inc/Conditionals-4-adv.h`).
+fn most_motors(defines: &Defines, axis: &str) -> usize {
+    if axis == "X" && defines.has("DUAL_X_CARRIAGE") {
+        return 1;
+    }
+    if let Some(number) = defines.of("NUM_Z_STEPPER_DRIVERS").filter(|_| axis == "Z") {
+        return number as usize;
+    }
+    let is = |times: &str| defines.is_enabled(&format!("{axis}_{times}_STEPPER_DRIVERS"));
+    match (is("TRIPLE"), is("DUAL")) {
+        (Some(true), _) => 3,
+        (_, Some(true)) => 2,
+        (_, Some(false)) => 1,
+        (_, None) => 4,
+    }
+}
+
+/// Motors of an axis that such a switch says.
+fn more_motors(defines: &Defines, source: &mut Source, item: usize, name: &str) {
+    let Some((axis, _)) = name.split_once("_DUAL_").or_else(|| name.split_once("_TRIPLE_")) else {
+        if name == "NUM_Z_STEPPER_DRIVERS" {
+            (1..most_motors(defines, "Z").min(4)).for_each(|part| source.word(item, "M584", &format!("I{part} Z"), ""));
+        }
+        return;
+    };
+    if name.ends_with("_STEPPER_DRIVERS") && defines.has(name) {
+        (1..most_motors(defines, axis)).for_each(|part| source.word(item, "M584", &format!("I{part} {axis}"), ""));
     }
 }
 

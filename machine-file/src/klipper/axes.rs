@@ -1,5 +1,6 @@
 //! Axes: their reach, their limits, their switches, and how they home.
 
+use super::config::Config;
 use super::defaults::of;
 use super::probe::has_probe;
 use super::work::{Work, is_true};
@@ -162,6 +163,32 @@ fn bed(work: &mut Work<'_>, axis: &str, least: f64, most: f64) {
     }
     let text = format!("{axis} reaches from {least}: {from} and {size} are 0 to position_max, as beds begin at 0");
     work.notes.push(Verdict::new(Kind::Approximated, text));
+}
+
+/// What Klipper refuses of a switch's place: one outside of its axis, and one that is near no end while nothing says
+/// which (`GenericPrinterRail` in `klippy/stepper.py`: a quarter of the axis is near). The place of a probe is its own.
+pub(super) fn refused(config: &Config) -> Option<String> {
+    AXES.iter().find_map(|axis| {
+        let section = format!("stepper_{axis}");
+        let value = |key: &str| config.entries.get(config.find(&section, key)?);
+        let number = |key: &str| value(key)?.value.parse::<f64>().ok().filter(|number| number.is_finite());
+        let is_probe = value("endstop_pin").is_some_and(|pin| pin.value.contains("probe:"));
+        let (place, most) = (number("position_endstop").filter(|_| !is_probe)?, number("position_max")?);
+        let least = number("position_min").unwrap_or(0.0);
+        let near = (most - least) / 4.0;
+        let is_max = value("homing_positive_dir").map(|entry| is_true(&entry.value));
+        let why = match is_max {
+            _ if place < least || place > most => format!("it is not from {least} to {most}"),
+            None if place > least + near && place < most - near => {
+                "it is near neither end of the axis: say homing_positive_dir".to_owned()
+            }
+            Some(true) if place == least => "it is the low end, and homing_positive_dir says the high one".to_owned(),
+            Some(false) if place == most => "it is the high end, and homing_positive_dir says the low one".to_owned(),
+            _ => return None,
+        };
+        let at = config.place(value("position_endstop")?.at);
+        Some(format!("{at}: error: [{section}] position_endstop = {place}: {why}"))
+    })
 }
 
 fn homing(work: &mut Work<'_>, axis: &str, section: &str, (least, most): (f64, Option<f64>)) {

@@ -80,6 +80,14 @@ pub struct Mistake {
     pub text: String,
 }
 
+impl Config {
+    /// Whether a printer is in it, and not only a part of one such as its macros.
+    #[must_use]
+    pub fn has_printer(&self) -> bool {
+        self.sections.iter().any(|section| section.name == "printer" || section.name.starts_with("stepper_"))
+    }
+}
+
 impl Display for Mistake {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: error: {}", self.place, self.text)

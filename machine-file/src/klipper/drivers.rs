@@ -81,7 +81,7 @@ fn usual(work: &mut Work<'_>, section: &str, stepper: &Stepper, (key, leaf, numb
     let own = format!("drivers.{}.{leaf}", stepper.name);
     match work.lines.number(&path) {
         None => work.set_default(&path, number),
-        Some(first) if (first - number).abs() < 0.5 => {}
+        Some(_) if work.is_same(&path, number) => {}
         // 0 of a motor alone is its group's.
         Some(_) if number >= 1.0 && work.is_legal(&own, number) => work.set_default(&own, number),
         Some(first) => {
@@ -131,7 +131,7 @@ fn group(work: &mut Work<'_>, entry: usize, stepper: &Stepper, leaf: &str, numbe
     let path = format!("{}.{leaf}", stepper.group());
     let own = format!("drivers.{}.{leaf}", stepper.name);
     match work.lines.number(&path) {
-        Some(first) if (first - number).abs() < 0.5 => work.say(entry, Kind::Taken, path),
+        Some(_) if work.is_same(&path, number) => work.say(entry, Kind::Taken, path),
         Some(_) if number >= 1.0 && work.is_key(&own) => work.take_number(entry, &own, number),
         Some(first) => {
             let text = format!("{path} = {first} holds for all of these motors, and another one set it");

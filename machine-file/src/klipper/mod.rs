@@ -48,8 +48,15 @@ use work::{DEFAULT, Work};
 /// Translates a configuration for a board, or for the board that its pins and comments name.
 ///
 /// # Errors
-/// The board cannot be told.
+/// Klipper would not read it, or the board cannot be told.
 pub fn translate(config: &Config, board: Option<&'static BoardConnectors>) -> Result<Translation, String> {
+    if let Some(mistake) = axes::refused(config) {
+        return Err(format!("no configuration that Klipper reads\n{mistake}"));
+    }
+    if board.is_none() && !config.has_printer() {
+        let text = "no printer is in it, neither [printer] nor [stepper_x]: give the printer.cfg that includes it";
+        return Err(text.to_owned());
+    }
     let aliases = Aliases::of(config);
     let is_given = board.is_some();
     let pinned = Pinned::of(config, &aliases);

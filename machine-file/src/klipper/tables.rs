@@ -173,22 +173,7 @@ pub(super) fn remark(section: &str, key: Option<&str>) -> Option<&'static Remark
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// A name that a pattern means.
-    fn sample(pattern: &str) -> String {
-        let (mut name, mut letters) = (String::new(), pattern.chars());
-        while let Some(letter) = letters.next() {
-            match letter {
-                '*' | '?' => name.push('x'),
-                '[' => {
-                    name.extend(letters.next());
-                    letters.by_ref().find(|letter| *letter == ']');
-                }
-                letter => name.push(letter),
-            }
-        }
-        name
-    }
+    use crate::pattern::sample;
 
     #[test]
     fn no_remark_hides_a_later_one() {

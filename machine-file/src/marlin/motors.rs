@@ -266,7 +266,7 @@ fn group(work: &mut Work<'_>, entry: usize, motor: &Motor, leaf: &str, number: f
     let path = format!("{}.{leaf}", motor.group());
     let own = format!("drivers.{}.{leaf}", motor.name);
     match work.lines.number(&path) {
-        Some(first) if (first - number).abs() < 0.5 => work.say(entry, Kind::Taken, path),
+        Some(_) if work.is_same(&path, number) => work.say(entry, Kind::Taken, path),
         Some(_) if work.is_key(&own) => work.take_number(entry, &own, number),
         Some(first) => other(work, entry, &path, &first.to_string()),
         None => work.take_number(entry, &path, number),

@@ -180,6 +180,15 @@ mod tests {
     use super::*;
 
     #[test]
+    fn no_remark_hides_a_later_one() {
+        for Remark { code, word, text, .. } in REMARKS {
+            let a_word = crate::pattern::sample(word);
+            let found = remark(code, (!word.is_empty()).then_some(a_word.as_str())).map(|found| found.text);
+            assert_eq!(found, Some(*text), "{code} {word}");
+        }
+    }
+
+    #[test]
     fn no_row_says_what_another_one_says() {
         for (place, row) in NUMBERS.iter().enumerate() {
             assert!(NUMBERS[..place].iter().all(|other| other.to != row.to), "{}", row.to);

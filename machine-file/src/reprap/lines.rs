@@ -30,6 +30,8 @@ pub(super) struct Command {
     /// The word that chooses a part, in front of other words in the report: `P0 `.
     pub chosen: String,
     pub line: usize,
+    /// It stands under a condition or in a loop.
+    pub is_nested: bool,
 }
 
 impl Command {
@@ -52,14 +54,20 @@ const MOST: usize = 5000;
 /// Reads all commands.
 pub(super) fn read(text: &str) -> Vec<Command> {
     let mut commands: Vec<Command> = Vec::new();
-    let mut item = 0;
+    let (mut item, mut is_mill, mut block) = (0, false, None);
     for (number, line) in text.lines().enumerate() {
-        let line = without_comment(line);
+        let line = without_comment(line, is_mill);
         let trimmed = line.trim();
         if trimmed.is_empty() || commands.len() >= MOST {
             continue;
         }
         let (code, rest) = parted(trimmed);
+        let indent = line.len() - line.trim_start().len();
+        block = block.filter(|outer| indent > *outer);
+        let is_nested = block.is_some();
+        if block.is_none() && ["if", "elif", "else", "while"].contains(&code.as_str()) {
+            block = Some(indent);
+        }
         let mut words: Vec<Word> = Vec::new();
         if is_code(&code) {
             let mut rest = rest;
@@ -72,6 +80,7 @@ pub(super) fn read(text: &str) -> Vec<Command> {
             words.push(Word { letter: ' ', value: rest.trim().to_owned(), item });
         }
         item += words.len();
+        is_mill = if code == "M453" { true } else { is_mill && !["M451", "M452"].contains(&code.as_str()) };
         let selector = match code.as_str() {
             "M569" | "M308" | "M106" | "M563" => &['P', 'S'][..],
             "M950" => &['H', 'F', 'E', 'J', 'P'],
@@ -84,7 +93,7 @@ pub(super) fn read(text: &str) -> Vec<Command> {
             chosen.extend(words.iter().map(|word| word.letter).filter(|letter| "XYZ".contains(*letter)));
             chosen.push(' ');
         }
-        commands.push(Command { code, words, chosen, line: number + 1 });
+        commands.push(Command { code, words, chosen, line: number + 1, is_nested });
     }
     commands
 }
@@ -115,14 +124,17 @@ fn next(text: &str) -> Option<(char, String, &str)> {
         let end = inner.find('"').unwrap_or(inner.len());
         return Some((letter.to_ascii_uppercase(), inner[..end].to_owned(), inner.get(end + 1..).unwrap_or_default()));
     }
-    if let Some(inner) = rest.strip_prefix('{') {
-        let end = inner.find('}').unwrap_or(inner.len());
-        let value = format!("{{{}}}", &inner[..end]);
-        return Some((letter.to_ascii_uppercase(), value, inner.get(end + 1..).unwrap_or_default()));
+    if letter == '(' {
+        let end = rest.find(')').map_or(rest.len(), |end| end + 1);
+        return Some((letter, rest[..end].trim_end_matches(')').to_owned(), &rest[end..]));
+    }
+    if rest.starts_with('{') {
+        let end = end_of_braces(rest);
+        return Some((letter.to_ascii_uppercase(), rest[..end].to_owned(), &rest[end..]));
     }
     // `Pmyprinter`: a text without quotes.
     let is_text = letter.eq_ignore_ascii_case(&'P') && rest.starts_with(|c: char| c.is_ascii_alphabetic());
-    let is_end = |c: char| c.is_whitespace() || (c.is_ascii_alphabetic() && !is_text);
+    let is_end = |c: char| c.is_whitespace() || c == '(' || (c.is_ascii_alphabetic() && !is_text);
     let end = rest.find(is_end).unwrap_or(rest.len());
     // 7.06e-8 has a letter in it.
     let exponent = rest[end..].starts_with(['e', 'E']) && end > 0;
@@ -136,15 +148,45 @@ fn next(text: &str) -> Option<(char, String, &str)> {
     Some((letter.to_ascii_uppercase(), rest[..end].to_owned(), &rest[end..]))
 }
 
-/// A line before its comment.
-fn without_comment(line: &str) -> &str {
-    let mut is_text = false;
-    for (at, letter) in line.char_indices() {
+/// The end of an expression in braces, which may have braces and texts in it.
+fn end_of_braces(text: &str) -> usize {
+    let (mut depth, mut is_text) = (0, false);
+    for (at, letter) in text.char_indices() {
         match letter {
             '"' => is_text = !is_text,
-            ';' if !is_text => return &line[..at],
+            '{' if !is_text => depth += 1,
+            '}' if !is_text => depth -= 1,
             _ => {}
         }
+        if depth == 0 {
+            return at + letter.len_utf8();
+        }
     }
-    line
+    text.len()
+}
+
+/// A line without its comments. Those in brackets are comments for a mill alone, behind M453 (`StringParser::Put` in
+/// `src/GCodes/GCodeBuffer/StringParser.cpp`): for a printer their letters are words (`FindParameters`).
+fn without_comment(line: &str, is_mill: bool) -> String {
+    let (mut kept, mut is_text, mut braces, mut is_comment) = (String::new(), false, 0_usize, false);
+    for letter in line.chars() {
+        match letter {
+            ')' if is_comment => {
+                is_comment = false;
+                continue;
+            }
+            _ if is_comment => continue,
+            '"' => is_text = !is_text,
+            ';' if !is_text => break,
+            '{' if !is_text => braces += 1,
+            '}' if !is_text => braces = braces.saturating_sub(1),
+            '(' if is_mill && !is_text && braces == 0 => {
+                is_comment = true;
+                continue;
+            }
+            _ => {}
+        }
+        kept.push(letter);
+    }
+    kept
 }

@@ -1,6 +1,7 @@
 //! What no word of Marlin says: directions, switches, sensors, heaters, the probe.
 
 use super::lines::{Command, Word};
+use super::tables::is_read;
 use super::words::motor_of;
 use crate::marlin::source::ITEM;
 use crate::marlin::work::Work;
@@ -57,6 +58,7 @@ impl<'c> Parts<'c> {
             for word in command.words.iter().filter(|word| is_endless(&word.value)) {
                 say(work, word, Kind::Decide, "an exponent, to the firmware too: put a blank before E");
             }
+            unread(work, command);
             match command.code.as_str() {
                 "M308" | "M305" => self.sensor(work, command),
                 "M143" => self.of_heater(work, command, 'S', "most"),
@@ -212,6 +214,20 @@ impl<'c> Parts<'c> {
 /// Whether a number is greater than all others by its exponent.
 fn is_endless(value: &str) -> bool {
     value.split(':').any(|part| part.parse::<f64>().is_ok_and(f64::is_infinite) && part.contains(['e', 'E']))
+}
+
+/// Words that nothing here evaluates: expressions, conditions, and brackets that are no comment for a printer.
+fn unread(work: &mut Work<'_>, command: &Command) {
+    let is_read = is_read(&command.code);
+    for word in &command.words {
+        if word.letter == '(' {
+            say(work, word, Kind::Decide, "brackets are a comment of a mill (M453): write ; before it");
+        } else if is_read && word.value.contains('{') {
+            say(work, word, Kind::Decide, "an expression: write its value yourself");
+        } else if is_read && command.is_nested {
+            say(work, word, Kind::Decide, "under a condition, so it may not count");
+        }
+    }
 }
 
 /// The entry of a word.

@@ -70,6 +70,15 @@ const REMARKS: &[(&str, &str, Kind, &str)] = &[
     ("M564", "*", NotNeeded, "see soft_endstops and require_homing"),
 ];
 
+/// Commands whose words may become keys of a machine file.
+const READ: &str = "G31 M84 M92 M106 M140 M141 M143 M201 M203 M204 M208 M302 M305 M307 M308 M350 M376 M550 M558 M563 \
+                    M564 M566 M569 M572 M574 M584 M593 M667 M669 M906 M950";
+
+/// Whether a word of a command may become a key of a machine file.
+pub(super) fn is_read(code: &str) -> bool {
+    READ.split(' ').any(|known| known == code)
+}
+
 /// What to say of a word of a command.
 pub(super) fn other(code: &str, key: &str) -> Verdict {
     let is_command = code.starts_with(['G', 'M', 'T']) && code[1..].starts_with(|c: char| c.is_ascii_digit());
@@ -80,5 +89,20 @@ pub(super) fn other(code: &str, key: &str) -> Verdict {
     match found {
         Some((_, _, kind, text)) => Verdict::new(*kind, *text),
         None => Verdict::new(NotYet, crate::marlin::tables::NO_SETTING),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pattern::sample;
+
+    #[test]
+    fn no_remark_hides_a_later_one() {
+        for (code, word, _, text) in REMARKS {
+            let (a_code, a_word) = (sample(code), sample(word));
+            let found = REMARKS.iter().find(|(known, of, ..)| matches(known, &a_code) && matches(of, &a_word));
+            assert_eq!(found.map(|(known, of, _, text)| (*known, *of, *text)), Some((*code, *word, *text)));
+        }
     }
 }

@@ -197,6 +197,14 @@ impl Draft {
         }
     }
 
+    /// Whether a key has that number already, as finely as the firmware keeps it.
+    pub fn is_same(&self, path: &str, number: f64) -> bool {
+        let (Some(first), Some((kind, _))) = (self.lines.number(path), self.kind_of(path)) else { return false };
+        let (ours, _) = self.in_range(path, number);
+        let ours = ours.as_float().or_else(|| ours.as_integer().map(|whole| whole as f64));
+        ours.is_some_and(|ours| bits_of(ours, fraction(kind)) == bits_of(first, fraction(kind)))
+    }
+
     /// Whether a key may have that number.
     pub fn is_legal(&self, path: &str, number: f64) -> bool {
         self.is_key(path) && self.in_range(path, number).1.is_none()

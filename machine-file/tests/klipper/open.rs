@@ -52,7 +52,10 @@ fn what_could_break_a_machine_is_left_open() {
         ("kinematics = cartesian", ""),
         ("position_max = 250", ""),
         ("position_max = 250", "position_max = tall"),
-        ("position_endstop = 0\nposition_max = 250", "position_endstop = -60\nposition_max = 250"),
+        (
+            "position_endstop = 0\nposition_max = 250",
+            "position_endstop = 200\nhoming_positive_dir = false\nposition_max = 250",
+        ),
         ("rotation_distance = 8\n", ""),
         ("rotation_distance = 8\n", "rotation_distance = 8\ngear_ratio = 5\n"),
         ("rotation_distance = 8\nmicrosteps = 16", "rotation_distance = 8"),
@@ -173,4 +176,66 @@ fn pins_of_a_named_namesake_are_not_taken() {
     for comment in ["", "# a Spider, with the pins of a Fysetc S6\n", "# not for the Fysetc S6\n"] {
         assert_eq!(verdict(&of(comment).report, "heater_bed", "heater_pin").0, Kind::Taken, "{comment}");
     }
+}
+
+/// Reproducer: a switch that Klipper refuses became a machine, at an end that nothing names.
+#[test]
+fn a_switch_that_klipper_refuses_is_refused() {
+    let whole = std::fs::read_to_string(folder().join("bedslinger.cfg")).unwrap();
+    let of = |lines: &str| {
+        let text = whole.replacen("position_endstop = 0\nposition_max = 250", lines, 1);
+        assert_ne!(text, whole);
+        translate(&read(&text).unwrap(), Some(&corehbot_boards::spider::CONNECTORS))
+    };
+    for (lines, why) in [
+        ("position_endstop = 125\nposition_max = 250.5", Some("neither end")),
+        ("position_endstop = 63\nposition_max = 250", Some("neither end")),
+        ("position_endstop = 62.5\nposition_max = 250", None),
+        ("position_endstop = 187.5\nposition_max = 250", None),
+        ("position_endstop = 125\nhoming_positive_dir = true\nposition_max = 250", None),
+        ("position_endstop = -0.5\nposition_max = 250", Some("from 0 to 250")),
+        ("position_endstop = -0.5\nposition_min = -1\nposition_max = 250", None),
+        ("position_endstop = 251\nposition_max = 250", Some("from 0 to 250")),
+        ("position_endstop = 0\nhoming_positive_dir = true\nposition_max = 250", Some("low end")),
+        ("position_endstop = 250\nhoming_positive_dir = false\nposition_max = 250", Some("high end")),
+    ] {
+        match (of(lines), why) {
+            (Ok(_), None) => {}
+            (Err(said), Some(why)) => assert!(said.contains(why) && said.contains("position_endstop"), "{said}"),
+            (done, _) => panic!("{lines}: {:?}", done.map(|done| done.text)),
+        }
+    }
+}
+
+/// Reproducer: a threshold within 0.5 of another motor's was told to be taken.
+#[test]
+fn values_of_one_group_are_equal_as_the_firmware_keeps_them() {
+    let whole = std::fs::read_to_string(folder().join("bedslinger.cfg")).unwrap();
+    let of = |x: &str, y: &str| {
+        let motor =
+            |axis: &str, key: &str| format!("[tmc2209 stepper_{axis}]\nuart_pin = PE7\nrun_current = 0.8\n{key}\n");
+        let (kept, _) = whole.split_once("[tmc2209 stepper_x]").unwrap();
+        let text = kept.to_owned() + &motor("x", x) + &motor("y", y);
+        let done = translate(&read(&text).unwrap(), Some(&corehbot_boards::spider::CONNECTORS)).unwrap();
+        let key = y.split(' ').next().unwrap();
+        verdict(&done.report, "tmc2209 stepper_y", key).0
+    };
+    for (x, y, kind) in [
+        ("stealthchop_threshold = 3.1", "stealthchop_threshold = 3.5", Kind::Decide),
+        ("stealthchop_threshold = 3.1", "stealthchop_threshold = 3.1000000001", Kind::Taken),
+        ("hold_current = 0.4", "hold_current = 0.401", Kind::Taken),
+        ("hold_current = 0.4", "hold_current = 0.6", Kind::Taken),
+        ("driver_sgthrs = 100", "driver_sgthrs = 101", Kind::Taken),
+    ] {
+        assert_eq!(of(x, y), kind, "{x}, {y}");
+    }
+}
+
+/// Reproducer: of a part of a configuration "the main processor has no motors" was told.
+#[test]
+fn a_part_without_a_printer_is_told_so() {
+    let said = translate(&read("[gcode_macro START]\ngcode:\n  G28\n").unwrap(), None).err().unwrap();
+    assert!(said.contains("no printer is in it"), "{said}");
+    let said = translate(&read("[printer]\nkinematics: corexy\n").unwrap(), None).err().unwrap();
+    assert!(said.contains("cannot tell the board"), "{said}");
 }

@@ -105,14 +105,14 @@ fn marlin() -> Translation {
 }
 
 /// The value of a key in a machine file.
-fn value(done: &Translation, path: &str) -> Option<toml::Value> {
+pub(super) fn value(done: &Translation, path: &str) -> Option<toml::Value> {
     let file: toml::Table = done.text.parse().unwrap();
     let mut keys = path.split('.');
     let first = file.get(keys.next()?)?.clone();
     keys.try_fold(first, |table, key| table.get(key).cloned())
 }
 
-fn holds(done: &Translation, pairs: &[(&str, &str)]) {
+pub(super) fn holds(done: &Translation, pairs: &[(&str, &str)]) {
     for (path, wanted) in pairs {
         let found = value(done, path).unwrap_or_else(|| panic!("{path} is not there: {}", done.text));
         assert_eq!(found.to_string(), *wanted, "{path}: {}", done.text);
@@ -199,7 +199,8 @@ fn conditions_are_those_of_the_preprocessor() {
         ("defined C", Some(true)),
         ("C == 3 && C * 2 - 1 >= 5", Some(true)),
         ("(C > 3) || (1 + 1 < C)", Some(true)),
-        ("C / 2 == 1.5", Some(true)),
+        ("C / 2 == 1", Some(true)),
+        ("C / 2.0 == 1.5", Some(true)),
         ("D", Some(false)),
         ("UNKNOWN && B", Some(false)),
         ("UNKNOWN || C", Some(true)),

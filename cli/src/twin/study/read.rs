@@ -6,11 +6,12 @@ use super::form::{QueryToml, RunToml, StudyToml};
 use super::plan::Study;
 use super::played::Played;
 use super::query::{Places, Query};
-use crate::input::Plate;
+use crate::input::{self, Plate};
 use crate::printer::Printer;
 use crate::twin::setup::ModelArg;
 use anyhow::{Context as _, Result, anyhow};
 use corehbot::units::Mm;
+use corehbot_machine_file::file_kind::Wanted;
 use corehbot_twin::routing::{Machine, Place};
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
@@ -22,7 +23,7 @@ use std::path::{Path, PathBuf};
 /// The error, with file, line and column.
 pub(super) fn read(path: &Path) -> Result<Study> {
     let file = path.display();
-    let text = std::fs::read_to_string(path).with_context(|| format!("cannot open {file}"))?;
+    let text = input::text(path, Wanted::Study)?;
     let located = |error: StudyError| match error.place(&text) {
         Some(place) => anyhow!("{file}:{place}: {error}"),
         None => anyhow!("{file}: {error}"),

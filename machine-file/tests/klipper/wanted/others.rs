@@ -133,6 +133,7 @@ microsteps: 16
 [stepper_x]
 endstop_pin: EBBCan:PB6
 position_endstop: 250
+position_max: 250
 [stepper_y]
 endstop_pin: PG9
 [stepper_z]

@@ -77,6 +77,7 @@ position_endstop: 350
 [stepper_z]
 endstop_pin: PA0
 position_endstop: -0.5
+position_min: -5
 [heater_bed]
 heater_pin: PB4
 sensor_type: Generic 3950
