@@ -1,8 +1,8 @@
 //! Picture: frame, bar, head, motors and belts of a machine, seen from above, for a drawing.
 //!
 //! Places are in mm from motor 1's axis, y away from the front; the script turns them over. A belt is one path of lines
-//! and arcs. Belts do not stretch here, so the belt that has passed a path's begin has passed every place of it: a
-//! pattern along the path that is shifted by this length moves as the belt does, also where bar and head carry pulleys.
+//! and arcs. Belts do not stretch here, so the belt that has passed a path's begin has passed every place of it. A
+//! pattern along the path, shifted by this length, moves as the belt does, also where bar and head carry pulleys.
 
 use anyhow::Result;
 use corehbot::motors::MOTORS;

@@ -236,8 +236,8 @@ impl Axis {
         self.state_of(spans, time, None)
     }
 
-    /// Its state at a time. With a time `ahead` each tap is taken as far as there first; its cursor stays. A copy of all
-    /// cursors takes longer than the rest.
+    /// Its state at a time. With a time `ahead` each tap is taken as far as there first; its cursor stays. A copy of
+    /// all cursors takes longer than the rest.
     #[inline]
     fn state_of(&self, spans: &impl Spans, time: SubTicks, ahead: Option<SubTicks>) -> AxisState {
         let copy = |tap: &Tap, cursor: &Cursor| {

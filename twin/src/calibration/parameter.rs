@@ -53,8 +53,8 @@ pub enum Parameter {
 }
 
 /// A nominal value is right within a factor of two, in one standard uncertainty. Assumed: belts of 20 to 56 kN are
-/// sold; a NEMA 17 holds 0.2 to 0.6 N m, by its length and current; a belt is tightened by feel; heads weigh 0.3 to 1.2
-/// kg; of guides, friction and damping nothing is published.
+/// sold. A NEMA 17 holds 0.2 to 0.6 N m, by its length and current. A belt is tightened by feel. Heads weigh 0.3 to 1.2
+/// kg. Nothing is published of guides, friction and damping.
 const GUESSED: f64 = std::f64::consts::LN_2;
 
 /// Uncertainty of a belt's mass that was not weighed. Assumed: 10 %. FarmBot's bill of materials lets GT2 of 5.8 mm

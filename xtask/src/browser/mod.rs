@@ -19,8 +19,8 @@ use std::time::Instant;
 /// The client of WebDriver, and what compares pictures.
 const CLIENT: Venv<'static> = Venv { name: "browser", packages: &["selenium==4.51.0", "pillow==13.0.0"], options: &[] };
 
-/// axe-core, which looks for what keeps people from using a page. Its package for Python has the script; the library that
-/// the package would bring with it is for another client.
+/// axe-core, which looks for what keeps people from using a page. Its package for Python has the script; the library
+/// that the package would bring with it is for another client.
 const AXE: Venv<'static> = Venv { name: "axe", packages: &["axe-playwright-python==0.1.8"], options: &["--no-deps"] };
 
 /// Where the trials are.

@@ -199,7 +199,8 @@ fn a_pulley_that_slipped_is_told_from_a_tooth_and_its_phase_is_not_kept() {
 }
 
 /// A roller stops turning in a print. Its friction holds strain back, and no motor is to blame. The firmware tells that
-/// something drags, or what it calls right is right. One roller of each span stands for the others, which tell the same.
+/// something drags, or what it calls right is right. One roller of each span stands for the others, which tell the
+/// same.
 #[test]
 fn a_roller_that_seizes_is_no_motor_without_torque_and_no_skip() {
     let stories = of_each(0..4, |index| {
