@@ -137,11 +137,6 @@ impl<S: Serial> Hosts<S> {
         self.owes_ok = false;
     }
 
-    /// Nobody waits so any more: the line will not be carried out.
-    pub(in crate::machine) const fn give_up_aside(&mut self) {
-        self.aside = None;
-    }
-
     /// Whether a host waits so.
     pub(in crate::machine) const fn has_set_aside(&self) -> bool {
         self.aside.is_some()

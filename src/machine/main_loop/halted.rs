@@ -84,7 +84,8 @@ pub(in crate::machine) async fn stay_halted<P: PortSet, W: Pend>(main_loop: &mut
         }
     }
     // The message answers the lines that have come so far, that of M112 and a kept one included.
-    main_loop.hosts.give_up_aside();
+    main_loop.hosts.take_up();
+    main_loop.hosts.note_answered();
     let (mut text, now) = (Text::new(), main_loop.now());
     while main_loop.hosts.next_line(now, (0, &|| Activity::Paused), &mut text).is_some() {}
     main_loop.hosts.greet(|replies| report_killed(replies, reason));
