@@ -1,10 +1,11 @@
-//! The arrows between the rooms: every `use crate::room` in src/ must be in the table, and the files and folders within
-//! a room have no circle.
+//! The arrows between the rooms: every `use crate::room` in src/ must be in the table. And the files and folders of
+//! each folder have no circle, in this crate and in all others.
 
-use crate::arrows::{arrows_within, circle, code_of, paths_used, sources};
+use crate::arrows::{arrows_within, circle, paths_used};
+use crate::sources::{code_of, sources};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The rooms that each room may use. A room uses itself without asking.
 const ARROWS: [(&str, &[&str]); 20] = [
@@ -100,20 +101,35 @@ fn the_table_has_no_cycle() {
     }
 }
 
+/// The folders of all crates: those of the workspace, and those with a workspace of their own.
+fn crates() -> Vec<PathBuf> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let manifest = fs::read_to_string(root.join("Cargo.toml")).unwrap();
+    let list = |key: &str| {
+        let begin = format!("\n{key} = [");
+        manifest.split_once(&begin).unwrap_or_else(|| panic!("no {key}")).1.split(']').next().unwrap().to_owned()
+    };
+    let lists = [list("members"), list("exclude")].join(",");
+    let folders = lists.split(',').map(|folder| root.join(folder.trim().trim_matches('"')));
+    folders.chain([root.to_owned()]).filter(|folder| folder.join("src").is_dir()).collect()
+}
+
 #[test]
 fn files_beside_each_other_do_not_use_each_other_in_a_circle() {
-    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let mut files = Vec::new();
-    sources(&src, &mut files);
+    let crates = crates();
     let (mut wrong, mut found) = (Vec::new(), 0);
-    for (folder, arrows) in arrows_within(&src, &files) {
-        found += arrows.values().map(BTreeSet::len).sum::<usize>();
-        let circle = circle(&arrows);
-        if !circle.is_empty() {
-            wrong.push(format!("src/{}: {circle:?}", folder.join("/")));
+    for src in crates.iter().map(|folder| folder.join("src")) {
+        let mut files = Vec::new();
+        sources(&src, &mut files);
+        for (folder, arrows) in arrows_within(&src, &files) {
+            found += arrows.values().map(BTreeSet::len).sum::<usize>();
+            let circle = circle(&arrows);
+            if !circle.is_empty() {
+                wrong.push(format!("{}/{}: {circle:?}", src.display(), folder.join("/")));
+            }
         }
     }
-    assert!(found > 100, "only {found} arrows found");
+    assert!(crates.len() > 20 && found > 1000, "only {} crates and {found} arrows found", crates.len());
     assert!(wrong.is_empty(), "files that use each other in a circle:\n{}", wrong.join("\n"));
 }
 

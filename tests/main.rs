@@ -37,6 +37,8 @@ mod reference;
 mod replies;
 mod setting_ranges;
 mod setting_rows;
+#[path = "support/sources.rs"]
+mod sources;
 mod stepper;
 mod storage;
 mod support;

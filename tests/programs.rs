@@ -1,6 +1,6 @@
 //! The test programs: each file is a part of one, and each recorded failure belongs to a file.
 
-use crate::arrows::sources;
+use crate::sources::sources;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,11 +1,11 @@
-//! The arrows between the crates of the command, and between the files of each: allowed uses, and no circles. The rooms
-//! of the core have a test of their own, and so have the twin's rooms.
+//! The arrows between the crates of the command. The rooms of the core have a test of their own, and so have the twin's
+//! rooms; circles of files in any crate are the core's `tests/layers.rs`.
 #![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "../../tests/support/arrows.rs"]
-mod arrows;
+#[path = "../../tests/support/sources.rs"]
+mod sources;
 
-use arrows::{arrows_within, circle, code_of, sources};
+use sources::{code_of, sources};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -84,25 +84,6 @@ fn crates_use_only_those_above_them() {
         assert_eq!(used, expected, "{folder}/Cargo.toml");
         above.insert(name);
     }
-}
-
-#[test]
-fn files_of_a_crate_do_not_use_each_other_in_a_circle() {
-    let (mut wrong, mut found) = (Vec::new(), 0);
-    for (krate, _, _) in &CRATES[1..] {
-        let src = folder_of(krate).join("src");
-        let mut files = Vec::new();
-        sources(&src, &mut files);
-        for (folder, arrows) in arrows_within(&src, &files) {
-            found += arrows.values().map(BTreeSet::len).sum::<usize>();
-            let circle = circle(&arrows);
-            if !circle.is_empty() {
-                wrong.push(format!("{krate}/src/{}: {circle:?}", folder.join("/")));
-            }
-        }
-    }
-    assert!(found > 100, "only {found} arrows found");
-    assert!(wrong.is_empty(), "files that use each other in a circle:\n{}", wrong.join("\n"));
 }
 
 #[test]

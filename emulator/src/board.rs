@@ -10,10 +10,11 @@ use crate::eeprom::At24c32;
 use crate::flash::FlashSectors;
 use crate::line::HostLine;
 use crate::sensor::Sensor;
-use crate::usb_line::{UsbHabits, UsbLine};
+use crate::usb_habits::UsbHabits;
+use crate::usb_line::UsbLine;
 use crate::usbip::UsbIp;
 use crate::warm;
-use crate::wiring::{HostPort, Load, PORTS, Pin, ROOM, SettingsMemory, Wiring};
+use crate::wiring::{HostPort, Load, PORTS, Pin, RAIL, ROOM, SettingsMemory, Wiring};
 use anyhow::{Context, Result, ensure};
 use rigless::cpu::armv7m::windows;
 use rigless::device::Level;
@@ -66,9 +67,6 @@ pub const CHIP_CELSIUS: u8 = 40;
 pub const FACTORY_WORDS: u64 = 0x1FFF_7A2A;
 /// See [`FACTORY_WORDS`].
 pub const FACTORY: [[u8; 2]; 3] = [1501_u16.to_le_bytes(), 958_u16.to_le_bytes(), 1207_u16.to_le_bytes()];
-
-/// The board's rail in mV.
-pub const RAIL: u32 = 3300;
 
 /// The board.
 #[derive(Debug)]

@@ -14,7 +14,6 @@
 //! The crate's flash cannot be written to: the processor's stores to it are dropped. For a board that keeps settings
 //! there, [`FlashInterface`] takes them, and the emulator starts with a memory map in which flash has a programmer.
 
-use crate::board::RAIL;
 use crate::cable::Plug;
 use crate::clock_tree::{ClockTree, Defect, Supply};
 use crate::flash::FlashSectors;
@@ -22,6 +21,7 @@ use crate::flash_interface::FlashInterface;
 use crate::line::HostLine;
 use crate::small_timers::{self, BasicTimer, SmallTimer, WithRegisters};
 use crate::usb_port::{UsbPort, window};
+use crate::wiring::RAIL;
 use rigless::device::{Device, DeviceContext, ErasedDevice, RegisterFile, ResetCause};
 use rigless::emulator::Access;
 use rigless::mcu::{Mcu, Operate};

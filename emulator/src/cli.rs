@@ -15,7 +15,7 @@ use crate::run::{Request, Seen, serve};
 use crate::sensor::Sensor;
 use crate::steps::StepEvent;
 use crate::terminal::Terminal;
-use crate::timer::NS_PER_TICK;
+use crate::tick::NS_PER_TICK;
 use crate::watch::{End, Patience};
 use crate::wiring::{NUCLEO, OCTOPUS, SettingsMemory, Wiring};
 use anyhow::{Result, bail, ensure};

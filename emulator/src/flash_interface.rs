@@ -11,8 +11,8 @@
 //! While a sector is erased the processor stands still (3.5: no code can be fetched), so the watch holds it. While a
 //! word is programmed it continues, also if it waits for BSY in the instruction cache.
 
-use crate::board::RAIL;
 use crate::flash::{FlashSectors, Operation, Tear};
+use crate::wiring::RAIL;
 use rigless::device::{Device, DeviceContext, RegisterFile};
 use rigless::soc::Width;
 use rigless::soc::stm32f427::generated::flash::{Register, cr, optcr, sr};

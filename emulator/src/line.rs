@@ -4,8 +4,8 @@
 //! A scripted host waits for the greeting before it sends, and answers at once: the delays of a computer and its
 //! adapter are no property of the image. The firmware sets the rate; [`crate::run`] compares it with the stated one.
 
-use crate::timer::NS_PER_TICK;
-use crate::usb_line::UsbHabits;
+use crate::tick::NS_PER_TICK;
+use crate::usb_habits::UsbHabits;
 use corehbot_sim::host::FileHost;
 use corehbot_sim::world::Host;
 use rigless::chip::Timeline;

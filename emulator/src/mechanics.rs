@@ -6,7 +6,7 @@
 //! of them.
 
 use crate::driver_line::DriverLines;
-use crate::timer::NS_PER_TICK;
+use crate::tick::NS_PER_TICK;
 use anyhow::{Context, Result};
 use corehbot::motors::{EndstopSet, MOTORS, Motor, MotorSet};
 use corehbot::settings::Settings;

@@ -10,7 +10,7 @@
 //! time than it has real time. What a slow computer cannot keep up with is not made good.
 
 use crate::line::HostLine;
-use crate::timer::NS_PER_TICK;
+use crate::tick::NS_PER_TICK;
 use anyhow::Result;
 use corehbot_cli::serve::{Hand, Pace, Port, Speed};
 use corehbot_cli::stop::Stop;

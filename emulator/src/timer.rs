@@ -5,6 +5,7 @@
 //! interrupt (`motion::stepper`), and it leads to the status (`status`).
 
 use crate::board::Emulated;
+use crate::tick::NS_PER_TICK;
 use rigless::emulator::Host;
 use rigless::mcu::Operate;
 use rigless::soc::Width;
@@ -20,9 +21,6 @@ const STATUS: u64 = 16;
 
 /// In the status: events that came so late that time was stretched.
 const LATE: u64 = 32;
-
-/// A tick of the step timer.
-pub const NS_PER_TICK: u64 = 100;
 
 /// Cycles of 180 MHz in a tick.
 const CYCLES_PER_TICK: u32 = 18;

@@ -2,6 +2,7 @@
 
 use crate::line::HostLine;
 use crate::usb_discovery::Discovery;
+use crate::usb_habits::UsbHabits;
 use crate::usb_port::{Cable, IDLE_NS, PACKET_NS};
 use corehbot_usb_model::UsbCore;
 use corehbot_usb_model::host::{Outcome, PACKET, Transfer, UsbHost};
@@ -32,15 +33,6 @@ const CLOSE: Request = ([0x21, 0x22, 0, 0, 0, 0, 0, 0], &[]);
 
 /// A request and its data.
 type Request = ([u8; 8], &'static [u8]);
-
-/// What the computer does beside its conversation.
-#[derive(Clone, Copy, Default, Debug)]
-pub struct UsbHabits {
-    /// It opens the port and closes it so often before.
-    pub openings: usize,
-    /// When the cable is pulled, and plugged in again, in ns. The next conversation begins then.
-    pub pulled: Option<(u64, u64)>,
-}
 
 /// How far it has come.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -292,6 +292,9 @@ const fn slot(motor: Motor, step: Pin, dir: Pin, enable: Pin, uart: Pin) -> Opti
     Some(Slot { motor, step, dir, enable, uart: Some(uart) })
 }
 
+/// A board's rail in mV.
+pub const RAIL: u32 = 3300;
+
 /// The voltage of a thermistor at room temperature in mV: 100 kOhm at 25 C under 4.7 kOhm from 3.3 V.
 pub const ROOM: u32 = 3152;
 

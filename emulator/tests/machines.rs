@@ -38,7 +38,7 @@ fn motors_on(bench: &Bench<'_>) -> MotorSet {
     host.iter().fold(MotorSet::NONE, |all, event| all.with(event.steps))
 }
 
-/// QEMU prints with these files too (`xtask/src/test/compare.rs`).
+/// QEMU prints with these files too (`xtask/src/compare/mod.rs`).
 #[test]
 fn four_motors_drive_a_corexy() {
     assert_eq!(motors_of("awd-corexy.toml"), prototype::BELT.with(MotorSet::of(prototype::Z1)));

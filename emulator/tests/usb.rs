@@ -3,7 +3,7 @@
 use crate::common::{Bench, MS, bench_of, firmware, heated, print, print_on};
 use corehbot_emulator::line::Manner;
 use corehbot_emulator::run::Seen;
-use corehbot_emulator::usb_line::UsbHabits;
+use corehbot_emulator::usb_habits::UsbHabits;
 use corehbot_emulator::watch::End;
 
 const PRINT: &str = "G92 X0 Y0 Z0\nM17\nG1 X20 Y5 F6000\nG1 X3 Y9\nG1 X0 Y0\nM400\nM115\nM18\n";

@@ -5,7 +5,7 @@ use corehbot_emulator::driver_line::DriverLines;
 use corehbot_emulator::firmware::Firmware;
 use corehbot_emulator::line::Manner;
 use corehbot_emulator::run::Seen;
-use corehbot_emulator::usb_line::UsbHabits;
+use corehbot_emulator::usb_habits::UsbHabits;
 use corehbot_emulator::watch::End;
 use corehbot_emulator::wiring::{OCTOPUS, PORTS, Pin, SPIDER, SPIDER_V1, Wiring};
 use corehbot_machine_file as machine_file;

@@ -1,26 +1,9 @@
 //! Arrows: which files and folders of a crate use which, read from their sources; for the tests that hold them.
 
+use crate::sources::code_of;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
-
-/// The sources in a folder and those within it.
-pub fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
-    for entry in fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            sources(&path, found);
-        } else if path.extension().is_some_and(|e| e == "rs") {
-            found.push(path);
-        }
-    }
-}
-
-/// Source text without comments and without the file's own tests.
-pub fn code_of(text: &str) -> String {
-    let code = text.split("\n#[cfg(test)]\nmod ").next().unwrap();
-    code.lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n")
-}
 
 /// The module that a file below src/ is.
 pub fn module_of(relative: &Path) -> Vec<String> {

@@ -9,7 +9,7 @@
 //! again: its source is not there either.
 
 use crate::checkout::{command_output, root, run, target_dir};
-use crate::test::succeeds;
+use crate::tools::succeeds;
 use anyhow::{Context as _, Result, bail, ensure};
 use std::fs;
 use std::path::{Path, PathBuf};

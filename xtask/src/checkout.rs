@@ -11,6 +11,9 @@ pub const TARGET: &str = "thumbv7em-none-eabihf";
 /// The target of browsers.
 pub const BROWSER: &str = "wasm32-unknown-unknown";
 
+/// The target of the program on the computer that has the board on its USB cable. It needs no C library.
+pub const GUEST: &str = "x86_64-unknown-linux-musl";
+
 /// The workspace's root.
 pub fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."))

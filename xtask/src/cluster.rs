@@ -3,7 +3,7 @@
 
 use crate::checkout::{self, root};
 use crate::clients::venv::Venv;
-use crate::test::Verdict;
+use crate::verdict::Verdict;
 use anyhow::{Context as _, Result, bail};
 use std::process::Command;
 

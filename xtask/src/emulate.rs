@@ -3,7 +3,7 @@
 //! The emulator is a workspace of its own, so that no firmware build waits for it; this room calls it.
 
 use crate::checkout::{self, root, run};
-use crate::test::check_file;
+use crate::compare::check_file;
 use anyhow::Result;
 use corehbot_cli::stop::Stop;
 use std::path::{Path, PathBuf};

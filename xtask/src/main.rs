@@ -8,6 +8,7 @@ mod bundle;
 mod checkout;
 mod clients;
 mod cluster;
+mod compare;
 mod dist;
 mod emulate;
 mod flash;
@@ -18,7 +19,9 @@ mod picture;
 mod qemu;
 mod soak;
 mod test;
+mod tools;
 mod usb;
+mod verdict;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;

@@ -6,10 +6,12 @@ use corehbot::settings::Settings;
 use corehbot::status::Status;
 use static_cell::{ConstStaticCell, StaticCell};
 
-use crate::contexts::{self, BoardPorts, Console, IrqPend, StepGenerator, ThermalControl};
+use crate::handles::{BoardPorts, Console, StepGenerator, ThermalControl};
 use crate::heat::BoardHeat;
+use crate::pend::IrqPend;
 use crate::step_pins::StepPins;
 use crate::step_timer::StepTimer;
+use crate::stepper::give_stepper;
 
 static MEMORY: ConstStaticCell<Memory> = ConstStaticCell::new(Memory::new());
 static GENERATOR: StaticCell<StepGenerator> = StaticCell::new();
@@ -37,7 +39,7 @@ pub fn assemble(
     ports: BoardPorts,
 ) -> Handles {
     let Kits { stepper, generator, thermal, console, status, .. } = Kits::new(MEMORY.take(), settings, IrqPend);
-    contexts::give_stepper(stepper, step_ports);
+    give_stepper(stepper, step_ports);
     Handles {
         generator: make_generator(generator),
         thermal: make_thermal(thermal, settings, heat),

@@ -19,7 +19,7 @@ use embassy_stm32::pac::timer::vals::Urs;
 use embassy_stm32::pac::{Interrupt, RCC, TIM8};
 
 use crate::clocks::APB2_TIMER_HZ;
-use crate::contexts::wake_console;
+use crate::console_waker::wake_console;
 use crate::ports::{self, Registers};
 use crate::storm::{CallRate, count_call};
 use crate::wiring::{Board, Pin};

@@ -5,11 +5,11 @@ use corehbot::connectors::BoardConnectors;
 
 use corehbot::port::{BusError, Coupling, DriverBus, Frame, Motor, MotorSet};
 
-use crate::contexts;
 use crate::driver_uart::DriverUart;
 use crate::ports;
 use crate::servo;
 use crate::step_pins::{Dirs, Steps};
+use crate::stepper::couple_step_pins;
 use crate::supply;
 use crate::wiring::{Plugged, Port};
 
@@ -58,7 +58,7 @@ impl DriverBus for Drivers {
     fn couple(&mut self, coupling: &Coupling) {
         let mut steps = Steps::new(self.plugged, coupling);
         *self.spare = Dirs::new(self.plugged, coupling);
-        contexts::couple_step_pins(&mut steps, &mut self.spare);
+        couple_step_pins(&mut steps, &mut self.spare);
         COUPLINGS.store(couplings().wrapping_add(1), Relaxed);
     }
 

@@ -16,6 +16,10 @@ pub const PERIOD: u32 = 1_800_000;
 /// Cycles of the core in a count.
 const CYCLES: u32 = 2;
 
+/// Mode of two channels (RM0390, TIM2 to TIM5, CCMR1 and CCMR2): PWM mode 2 (OCxM 111), compare values that take effect
+/// with the next period (OCxPE).
+pub const PULSES: u32 = 0x7878;
+
 /// A compare value that no count reaches, so there is no pulse. RM0390, TIM2 to TIM5, PWM mode: with a compare value
 /// above the reload value, PWM mode 2 holds the output inactive.
 pub const NEVER: u32 = u32::MAX;

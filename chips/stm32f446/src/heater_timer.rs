@@ -20,7 +20,7 @@ use corehbot::port::OUTPUTS;
 use cortex_m::peripheral::DWT;
 use embassy_stm32::pac::{DBGMCU, Interrupt, RCC, TIM5};
 
-use crate::heater_pulses::{Grid, NEVER, PERIOD, compare};
+use crate::heater_pulses::{Grid, NEVER, PERIOD, PULSES, compare};
 use crate::narrow_heaters::NarrowHeaters;
 use crate::ports;
 use crate::resources;
@@ -31,10 +31,6 @@ pub const IRQ: Interrupt = Interrupt::TIM5;
 
 /// Channels of the timer.
 const CHANNELS: usize = 4;
-
-/// Mode of two channels (RM0390, TIM2 to TIM5, CCMR1 and CCMR2): PWM mode 2 (OCxM 111), compare values that take effect
-/// with the next period (OCxPE).
-pub const PULSES: u32 = 0x7878;
 
 /// The timer, running.
 pub struct HeaterTimer {

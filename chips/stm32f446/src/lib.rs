@@ -21,8 +21,8 @@
 //! names no register). A value that start-up makes and one
 //! interrupt handler uses is in a `Handover` of `chips/cortex-m4`.
 //!
-//! `unsafe` stays in `contexts`, `fault`, `flash`, `otg`, `priorities`, `reference_voltage`,
-//! `reset_reason`, `stack_guard` and `step_timer`.
+//! `unsafe` stays in `fault`, `flash`, `otg`, `priorities`, `reference_voltage`, `reset_reason`, `stack_guard`,
+//! `step_timer` and `stepper`.
 #![cfg_attr(target_os = "none", no_std)]
 
 pub use corehbot_wiring as wiring;
@@ -49,6 +49,8 @@ mod calls;
 #[cfg(target_os = "none")]
 mod clocks;
 #[cfg(target_os = "none")]
+mod console_waker;
+#[cfg(target_os = "none")]
 mod contexts;
 #[cfg(target_os = "none")]
 mod driver_uart;
@@ -63,6 +65,8 @@ mod fault;
 #[cfg(target_os = "none")]
 mod flash;
 #[cfg(target_os = "none")]
+mod handles;
+#[cfg(target_os = "none")]
 mod heat;
 #[cfg(target_os = "none")]
 mod heater_timer;
@@ -76,6 +80,8 @@ mod machine_at_start;
 mod narrow_heaters;
 #[cfg(target_os = "none")]
 mod otg;
+#[cfg(target_os = "none")]
+mod pend;
 #[cfg(target_os = "none")]
 mod pin_scrub;
 #[cfg(target_os = "none")]
@@ -102,6 +108,8 @@ mod start;
 mod step_pins;
 #[cfg(target_os = "none")]
 mod step_timer;
+#[cfg(target_os = "none")]
+mod stepper;
 #[cfg(target_os = "none")]
 mod supply;
 #[cfg(target_os = "none")]

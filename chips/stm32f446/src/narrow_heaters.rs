@@ -12,8 +12,7 @@ use corehbot::port::OUTPUTS;
 use embassy_stm32::pac::timer::vals::Urs;
 use embassy_stm32::pac::{DBGMCU, RCC, TIM3, TIM12};
 
-use crate::heater_pulses::{NARROW, NEVER_NARROW, PERIOD, narrow_compare, narrow_counts};
-use crate::heater_timer::PULSES;
+use crate::heater_pulses::{NARROW, NEVER_NARROW, PERIOD, PULSES, narrow_compare, narrow_counts};
 use crate::wiring::{HeaterPin, HeaterTimer};
 
 /// The timers of a board's heaters.

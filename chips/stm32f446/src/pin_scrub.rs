@@ -7,9 +7,9 @@ use corehbot::settings::sum;
 use corehbot::status::Status;
 use embassy_time::{Duration, Timer};
 
-use crate::contexts::{step_pins_dir_row, step_pins_row};
 use crate::drivers;
 use crate::step_pins::COUPLED_ROWS;
+use crate::stepper::{step_pins_dir_row, step_pins_row};
 
 /// Between two looks.
 const EVERY: Duration = Duration::from_millis(900);

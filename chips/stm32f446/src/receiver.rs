@@ -7,7 +7,7 @@ use embassy_stm32::pac::dma::Dma;
 use embassy_stm32::pac::dma::vals::{Dir, Pl, Size};
 use embassy_stm32::pac::usart::Usart as Registers;
 
-use crate::contexts::wake_console;
+use crate::console_waker::wake_console;
 use crate::resources::Channel;
 use corehbot_board_support::ring::{Ring, SIZE};
 

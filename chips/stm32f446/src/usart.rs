@@ -13,7 +13,7 @@ use embassy_stm32::pac::{DMA1, DMA2, Interrupt, RCC, USART1, USART2};
 use heapless::spsc::{Consumer, Producer, Queue};
 use static_cell::ConstStaticCell;
 
-use crate::contexts::wake_console;
+use crate::console_waker::wake_console;
 use crate::ports;
 use crate::receiver::Receiver;
 use crate::resources::{self, USART_FUNCTION};

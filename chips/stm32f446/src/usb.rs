@@ -8,7 +8,7 @@ use embassy_usb::class::cdc_acm::{CdcAcmClass, State};
 use embassy_usb::{Builder, Config, UsbDevice};
 use static_cell::{ConstStaticCell, StaticCell};
 
-use crate::contexts::wake_console;
+use crate::console_waker::wake_console;
 use crate::otg::{self, UsbDriver};
 use crate::reset_reason::ResetReason;
 use crate::step_timer::BoardClock;

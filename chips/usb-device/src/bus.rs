@@ -1,15 +1,16 @@
 //! The bus: reset, suspend, resume; endpoints on, off and halted.
 
 use crate::bits::{
-    CGONAK, CNAK, DAD, DAINTMSK, DCFG, DCTL, DIEPEMPMSK, DIEPMSK, DOEPMSK, ENUMDNE, EPENA, ESUSP, GAHBCFG, GINT,
-    GINTMSK, GINTSTS, GRXFSIZ, GUSBCFG, IEPINT, OEPINT, RXFLVL, SD0PID, SDIS, SNAK, STALL, STUP, THREE_SETUPS, TRDT,
-    USBAEP, USBRST, USBSUSP, WKUPINT, XFRC, diepctl, dieptxf, doepctl, doeptsiz, one_packet,
+    CGONAK, CNAK, DAD, DAINTMSK, DCFG, DCTL, DIEPEMPMSK, DIEPMSK, DOEPMSK, ENUMDNE, EPENA, ESUSP, FULL_SPEED_INTERNAL,
+    GAHBCFG, GINT, GINTMSK, GINTSTS, GRXFSIZ, GUSBCFG, IEPINT, OEPINT, RXFLVL, SD0PID, SDIS, SNAK, STALL, STUP,
+    THREE_SETUPS, TRDT, USBAEP, USBRST, USBSUSP, WKUPINT, XFRC, diepctl, dieptxf, doepctl, doeptsiz, one_packet,
 };
-use crate::driver::{Config, DEVICE, PACKET, Shape, Shapes};
 use crate::interrupt::BUS_EVENTS;
 use crate::registers::Registers;
+use crate::shape::{Config, PACKET, Shape, Shapes};
 use crate::state::State;
-use crate::stop::{stop_in, stop_out};
+use crate::stop::stop_in;
+use crate::stop_out::stop_out;
 use core::future::poll_fn;
 use core::task::Poll;
 use embassy_sync::blocking_mutex::raw::RawMutex;
@@ -36,7 +37,7 @@ impl<'d, R: Registers, M: RawMutex, const N: usize> Bus<'d, R, M, N> {
     fn start(&mut self) {
         let r = self.registers;
         r.write(DCTL, SDIS);
-        r.write(DCFG, DEVICE);
+        r.write(DCFG, FULL_SPEED_INTERNAL);
         r.write(DIEPMSK, XFRC);
         r.write(DOEPMSK, STUP | XFRC);
         r.write(DIEPEMPMSK, 0);

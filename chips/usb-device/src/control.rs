@@ -4,9 +4,9 @@
 //! [`EndpointError::Disabled`] if it has an answer.
 
 use crate::bits::{CNAK, DAD, DCFG, EPENA, STALL, THREE_SETUPS, diepctl, doepctl, doeptsiz, one_packet};
-use crate::driver::PACKET;
 use crate::endpoint::send;
 use crate::registers::Registers;
+use crate::shape::PACKET;
 use crate::state::State;
 use core::future::poll_fn;
 use core::task::Poll;

@@ -23,8 +23,11 @@
 //! | `bits` | addresses and bits of registers |
 //! | [`registers`] | access to them |
 //! | `wait` | waits with a bound |
-//! | `stop` | the sequences that end a transfer under way |
+//! | [`shape`] | the core of a chip, and the shapes of endpoints |
 //! | [`state`] | what interrupt and task share |
+//! | `stop` | ends what an IN endpoint sends |
+//! | `receive` | entries of the receive FIFO |
+//! | `stop_out` | ends what OUT endpoints may get |
 //! | [`interrupt`] | the interrupt |
 //! | [`driver`] | endpoints are given out |
 //! | [`bus`] | reset, suspend, resume; endpoints on, off, halted |
@@ -40,12 +43,16 @@ pub mod control;
 pub mod driver;
 pub mod endpoint;
 pub mod interrupt;
+mod receive;
 pub mod registers;
+pub mod shape;
 pub mod state;
 mod stop;
+mod stop_out;
 mod wait;
 
-pub use driver::{Config, Driver};
+pub use driver::Driver;
 pub use interrupt::on_interrupt;
 pub use registers::Registers;
+pub use shape::Config;
 pub use state::State;

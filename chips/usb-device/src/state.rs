@@ -1,6 +1,6 @@
 //! What the interrupt and the task share.
 
-use crate::driver::PACKET;
+use crate::shape::PACKET;
 use core::cell::{Cell, RefCell};
 use embassy_sync::blocking_mutex::Mutex;
 use embassy_sync::blocking_mutex::raw::RawMutex;

@@ -1,14 +1,8 @@
-//! The sequences that end a transfer under way (RM0390 rev 6, section 31.16: disabling of endpoints).
+//! The sequence that ends what an IN endpoint sends (RM0390 rev 6, section 31.16: disabling of endpoints).
 
-use crate::bits::{
-    CGONAK, DCTL, EPDIS, EPDISD, EPENA, GINTSTS, GONAKEFF, INEPNE, SGONAK, SNAK, STALL, USBAEP, diepctl, diepint,
-    doepctl, doepint,
-};
-use crate::interrupt::receive;
+use crate::bits::{EPDIS, EPDISD, EPENA, INEPNE, SNAK, STALL, USBAEP, diepctl, diepint};
 use crate::registers::Registers;
-use crate::state::State;
-use crate::wait::{POLLS, flush, until_set};
-use embassy_sync::blocking_mutex::raw::RawMutex;
+use crate::wait::{flush, until_set};
 
 /// Ends what an IN endpoint sends, and empties its FIFO. With `halt` it is halted in the same step.
 pub fn stop_in(registers: impl Registers, n: usize, halt: bool) {
@@ -27,32 +21,6 @@ pub fn stop_in(registers: impl Registers, n: usize, halt: bool) {
     }
     registers.write(diepint(n), EPDISD | INEPNE);
     flush(registers, n);
-}
-
-/// Ends what OUT endpoints may get: all whose number `is_wanted` has, but endpoint 0, which cannot be disabled.
-pub fn stop_out<M: RawMutex, const N: usize>(
-    registers: impl Registers,
-    state: &State<M, N>,
-    is_wanted: impl Fn(usize) -> bool,
-) {
-    let is_enabled = |n: &usize| registers.read(doepctl(*n)) & EPENA != 0;
-    if !(1..N).filter(|n| is_wanted(*n)).any(|n| is_enabled(&n)) {
-        return;
-    }
-    registers.write(DCTL, SGONAK);
-    // It takes effect when its entry is popped from the receive FIFO.
-    for _ in 0..POLLS {
-        if registers.read(GINTSTS) & GONAKEFF != 0 {
-            break;
-        }
-        receive(registers, state);
-    }
-    for n in (1..N).filter(|n| is_wanted(*n)).filter(is_enabled) {
-        registers.set(doepctl(n), SNAK | EPDIS);
-        until_set(registers, doepint(n), EPDISD);
-        registers.write(doepint(n), EPDISD);
-    }
-    registers.write(DCTL, CGONAK);
 }
 
 /// Whether an endpoint, by its control register, belongs to the configuration that the host chose.

@@ -1,7 +1,7 @@
 //! Tests of compare.
 
 use super::*;
-use crate::timer::NS_PER_TICK;
+use crate::tick::NS_PER_TICK;
 use corehbot::accelerometer::Kind;
 use corehbot::motors::prototype;
 

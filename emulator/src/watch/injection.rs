@@ -1,9 +1,9 @@
 //! Faults that a run injects: into the bus, the drivers, the supply, the image itself.
 
 use super::{GPIO, PORT_SIZE, Watch};
-use crate::board::{Emulated, RAIL};
+use crate::board::Emulated;
 use crate::trap::{FALLEN, TRIGGER};
-use crate::wiring::PORTS;
+use crate::wiring::{PORTS, RAIL};
 use corehbot::motors::Motor;
 use rigless::device::Level;
 use rigless::emulator::{self, InterruptLine};

@@ -23,7 +23,8 @@ use crate::build;
 use crate::checkout;
 use crate::image_code::Code;
 use crate::qemu::BOARD;
-use crate::test::{self, Verdict};
+use crate::tools;
+use crate::verdict::Verdict;
 use anyhow::{Context as _, Result};
 use figures::Figure;
 use jobs::Job;
@@ -76,8 +77,8 @@ pub fn main(args: &Args) -> Result<()> {
 
 /// As a step of the test: no figure is worse than the committed one.
 pub fn check() -> Result<Verdict> {
-    if !test::has_emulator() {
-        return Ok(Verdict::Skipped(test::lack_of_emulator()));
+    if !tools::has_emulator() {
+        return Ok(Verdict::Skipped(tools::lack_of_emulator()));
     }
     let compiler = checkout::compiler()?;
     if !compiler.starts_with(check::COMPILER) {

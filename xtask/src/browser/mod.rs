@@ -10,7 +10,7 @@ use crate::bundle;
 use crate::checkout::{self, root, target_dir};
 use crate::clients::venv::Venv;
 use crate::page;
-use crate::test::Verdict;
+use crate::verdict::Verdict;
 use anyhow::{Context as _, Result};
 use program::Programs;
 use std::process::Command;

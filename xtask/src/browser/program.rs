@@ -1,7 +1,7 @@
 //! The browser and its driver, which Debian packs together.
 
 use crate::checkout::command_output;
-use crate::test::install;
+use crate::tools::install;
 use anyhow::Result;
 use std::path::PathBuf;
 use std::process::Command;

@@ -6,7 +6,9 @@
 pub mod venv;
 
 use crate::checkout::{self, root};
-use crate::test::{Verdict, beginning, has_emulator, lack_of_emulator, sliced_file};
+use crate::compare::{beginning, sliced_file};
+use crate::tools::{has_emulator, lack_of_emulator};
+use crate::verdict::Verdict;
 use anyhow::{Context as _, Result, bail};
 use std::path::Path;
 use std::process::Command;

@@ -1,10 +1,10 @@
 //! The steps that are calls of cargo.
 
-use super::Verdict;
 use super::slowest::{self, Slowest};
 use crate::checkout::{self, cargo, run, words};
 use crate::emulate;
 use crate::page;
+use crate::verdict::Verdict;
 use anyhow::{Context as _, Result, bail};
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};

@@ -1,9 +1,10 @@
 //! The exchanges of `tests/protocol` on the board in QEMU; the simulator has them among its own tests.
 
-use super::tools::{has_emulator, lack_of_emulator};
-use super::{Verdict, demand};
+use super::demand;
 use crate::checkout::{self, root};
 use crate::qemu::{BOARD, Job};
+use crate::tools::{has_emulator, lack_of_emulator};
+use crate::verdict::Verdict;
 use anyhow::{Context as _, Result, bail};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;

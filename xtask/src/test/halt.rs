@@ -1,9 +1,9 @@
 //! M112 on the board in QEMU: the time from its last byte to the last step, while it steps as fast as it can.
 
-use super::Verdict;
-use super::tools::{has_emulator, lack_of_emulator};
 use crate::checkout;
 use crate::qemu::{BOARD, Job};
+use crate::tools::{has_emulator, lack_of_emulator};
+use crate::verdict::Verdict;
 use anyhow::{Context as _, Result, ensure};
 use corehbot::settings::Settings;
 use corehbot::units::{Mm, TICKS_PER_SECOND};

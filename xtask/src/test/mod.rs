@@ -4,22 +4,16 @@
 //! itself. Lanes of steps go on side by side (see [`lane`]).
 
 mod cargo;
-mod compare;
 mod demand;
-mod diff;
 mod exchanges;
 mod halt;
 mod lane;
 mod processor;
-mod side_by_side;
 mod size;
 mod slowest;
-mod tools;
 
-pub use compare::{beginning, check_file, sliced_file};
-pub use tools::{has_emulator, install, lack_of_emulator, succeeds};
-
-use crate::{bench, browser, clients, cluster, usb};
+use crate::verdict::{Times, Verdict};
+use crate::{bench, browser, clients, cluster, compare, tools, usb};
 use Lane::{Cable, Emulated, First, Host, Images};
 use anyhow::{Context as _, Result, bail};
 use std::cmp::Reverse;
@@ -75,19 +69,6 @@ impl Lane {
         }
     }
 }
-
-/// The result of a step. A step that cannot even be carried out is an error, which counts as one failure.
-pub enum Verdict {
-    /// All is well.
-    Passed(String),
-    /// Numbers of passed and failed tests.
-    Tested { passed: u32, failed: u32, remark: String, times: Times },
-    /// It could not be done here, and why.
-    Skipped(String),
-}
-
-/// Names of tests, and the processors' time that each took; empty if it was not looked at.
-pub type Times = Vec<(String, Duration)>;
 
 /// So many of the slowest tests are named at the end.
 const NAMED: usize = 10;

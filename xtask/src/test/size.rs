@@ -1,7 +1,7 @@
 //! Checks the images against the budgets of `build/contents.rs` and `build/step_path.rs`, and for forbidden contents.
 
-use super::Verdict;
 use crate::build;
+use crate::verdict::Verdict;
 use anyhow::Result;
 
 /// Weighs and examines every image that the step before has built.

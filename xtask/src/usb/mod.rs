@@ -13,9 +13,9 @@
 mod archive;
 mod packages;
 
-use crate::checkout::{self, root, run, target_dir};
+use crate::checkout::{self, GUEST, root, run, target_dir};
 use crate::emulate;
-use crate::test::Verdict;
+use crate::verdict::Verdict;
 use anyhow::{Context as _, Result, bail, ensure};
 use archive::Archive;
 use packages::Packages;
@@ -27,9 +27,6 @@ use std::time::{Duration, Instant};
 /// The computer, and the package that has it.
 const PROGRAM: &str = "qemu-system-x86_64";
 const PACKAGE: &str = "qemu-system-x86";
-
-/// Rust's target for a program without a C library.
-pub const TARGET: &str = "x86_64-unknown-linux-musl";
 
 /// Where the guest finds the board: QEMU's user networking shows it this computer's own address.
 const ADDRESS: &str = "127.0.0.1:3240";
@@ -152,9 +149,9 @@ fn wait(child: &mut Child, limit: Duration) -> Result<bool> {
 fn memory_disk(folder: &Path, packages: &Packages, text: &str) -> Result<Vec<u8>> {
     let guest = folder.join("guest");
     let mut compile = Command::new("rustc");
-    compile.args(["--edition", "2024", "-O", "--target", TARGET, "-o"]).arg(&guest);
+    compile.args(["--edition", "2024", "-O", "--target", GUEST, "-o"]).arg(&guest);
     compile.arg(root().join("emulator/guest/main.rs"));
-    run(compile).with_context(|| format!("the guest's program; its target comes by: rustup target add {TARGET}"))?;
+    run(compile).with_context(|| format!("the guest's program; its target comes by: rustup target add {GUEST}"))?;
     let mut disk = Archive::default();
     for folder in ["bin", "dev", "proc", "sys", "modules"] {
         disk.folder(folder);

@@ -1,7 +1,7 @@
 //! The kernel of the computer: Debian's packages, unpacked into a folder and not installed.
 
 use crate::checkout::{command_output, run};
-use crate::test::{install, succeeds};
+use crate::tools::{install, succeeds};
 use anyhow::{Context as _, Result};
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,10 +1,8 @@
 //! The contexts: each owns one handle of the core, and no other context touches it.
 
-use core::cell::RefCell;
 use core::future::poll_fn;
 use core::pin::pin;
 use core::sync::atomic::{AtomicU32, Ordering};
-use core::task::Waker;
 
 use corehbot::app::Parts;
 use corehbot::kinematics::Groups;
@@ -16,14 +14,14 @@ use corehbot_cortex_m4::Handover;
 use corehbot_rig::heat::Heat;
 use corehbot_stepgen::generate;
 use cortex_m::peripheral::{NVIC, Peripherals, SCB};
-use critical_section::Mutex;
 use embassy_executor::InterruptExecutor;
 
+use super::console_waker::{register, wake_console};
 use super::fault::give_up;
+use super::irq::{self, Irq};
 use super::serial::{self, UartSerial};
 use super::time::{self, BoardClock, StepTimer};
 use super::trace::{self, TracePort};
-use super::vectors::{self, Irq};
 
 type BoardPorts = machine::Ports<UartSerial, NoDrivers, BoardClock, NoStorage, NoAccelerometer>;
 /// The core with the ports of this board.
@@ -39,7 +37,6 @@ static THERMAL: Handover<(&'static mut ThermalControl, StepCounts<'static>, Grou
 static EXECUTOR: InterruptExecutor = InterruptExecutor::new();
 /// Milliseconds since start, wrapping.
 static MILLISECONDS: AtomicU32 = AtomicU32::new(0);
-static CONSOLE_WAKER: Mutex<RefCell<Option<Waker>>> = Mutex::new(RefCell::new(None));
 
 /// Hands the parts to their contexts and enables the interrupts.
 pub fn start(parts: &'static mut BoardParts, groups: Groups) {
@@ -47,8 +44,8 @@ pub fn start(parts: &'static mut BoardParts, groups: Groups) {
     STEPPER.fill(&mut parts.stepper);
     GENERATOR.fill(&mut parts.generator);
     THERMAL.fill((&mut parts.thermal, parts.counts, groups));
-    vectors::prioritise(&mut peripherals.NVIC, &mut peripherals.SCB);
-    vectors::enable();
+    irq::prioritise(&mut peripherals.NVIC, &mut peripherals.SCB);
+    irq::enable();
     time::start(peripherals.SYST);
     serial::start();
     match run_console(&mut parts.console) {
@@ -68,23 +65,12 @@ pub fn finish() {
 async fn run_console(console: &'static mut Console) {
     let mut run = pin!(console.run());
     poll_fn(|context| {
-        critical_section::with(|section| {
-            CONSOLE_WAKER.borrow_ref_mut(section).get_or_insert_with(|| context.waker().clone());
-        });
+        register(context.waker());
         run.as_mut().poll(context)
     })
     .await;
     // The emulator resets the machine, which loads the image and reads its job again.
     SCB::sys_reset()
-}
-
-/// Asks for a poll of the Console.
-pub fn wake_console() {
-    critical_section::with(|section| {
-        if let Some(waker) = CONSOLE_WAKER.borrow_ref(section).as_ref() {
-            waker.wake_by_ref();
-        }
-    });
 }
 
 /// Interrupt: a step is due, or software wants the Stepper to look.

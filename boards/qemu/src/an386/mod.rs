@@ -9,11 +9,13 @@
 //! | 0xC0 | software interrupt | Console, a task of an embassy executor |
 //! | thread | [`idle`] | virtual time |
 //!
-//! `unsafe` stays in `registers`, `vectors`, `contexts`, `fault`, `stack` and `idle`.
+//! `unsafe` stays in `registers`, `irq`, `vectors`, `contexts`, `fault`, `stack` and `idle`.
 
+mod console_waker;
 mod contexts;
 mod fault;
 mod idle;
+mod irq;
 mod job;
 mod registers;
 mod serial;

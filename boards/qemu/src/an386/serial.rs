@@ -12,10 +12,10 @@ use cortex_m::peripheral::NVIC;
 use heapless::spsc::{Consumer, Producer, Queue};
 use static_cell::ConstStaticCell;
 
-use super::contexts::wake_console;
+use super::console_waker::wake_console;
+use super::irq::Irq;
 use super::registers::uart;
 use super::time::StepTimer;
-use super::vectors::Irq;
 
 /// ASCII end of transmission.
 const END_OF_TRANSMISSION: u8 = 0x04;

@@ -1,8 +1,12 @@
 //! QEMU against the simulator: the same G-code has to give the same steps, byte for byte.
 
-use super::{Verdict, diff, side_by_side, tools};
+mod diff;
+mod side_by_side;
+
 use crate::checkout::{self, root, run};
 use crate::qemu::{self, BOARD, Job};
+use crate::tools;
+use crate::verdict::Verdict;
 use anyhow::{Context as _, Result, bail};
 use corehbot::settings::Settings;
 use corehbot_machine_file as machine_file;

@@ -1,9 +1,8 @@
 //! The tools: downloads missing ones on a fresh machine.
 
-use super::Verdict;
-use crate::checkout::{BROWSER, TARGET, cargo, run, target_dir};
+use crate::checkout::{BROWSER, GUEST, TARGET, cargo, run, target_dir};
 use crate::qemu::PROGRAM;
-use crate::usb::TARGET as GUEST;
+use crate::verdict::Verdict;
 use anyhow::{Context as _, Result};
 use std::fs::File;
 use std::path::Path;

@@ -1,0 +1,24 @@
+//! The interrupts that software pends.
+
+use corehbot::port::Pend;
+use cortex_m::peripheral::{NVIC, SCB};
+use embassy_stm32::pac::Interrupt;
+
+/// An interrupt that runs the StepGenerator: its device, the second CAN controller, is never switched on.
+pub const GENERATOR_IRQ: Interrupt = Interrupt::CAN2_SCE;
+
+/// Pends the interrupts of the contexts.
+#[derive(Clone, Copy)]
+pub struct IrqPend;
+
+impl Pend for IrqPend {
+    #[inline]
+    fn pend_generator(&self) {
+        NVIC::pend(GENERATOR_IRQ);
+    }
+
+    #[inline]
+    fn pend_stepper(&self) {
+        SCB::set_pendst();
+    }
+}
