@@ -182,7 +182,8 @@ fn contour_at(course: &[Knot], targets: &Targets, frequency: f64) -> [f64; 2] {
 
 /// A rounded corner at one speed shakes the tool less than one that is entered fast and left slowly. Klipper's plan of
 /// the same path is the rival again: it has one speed in the bend. In chords below 0.05 mm it is slower than the tool
-/// here, by up to 1.4 %, because the points' errors look like corners; so some of these paths have more error.
+/// here, by up to 1.4 %: a corner keeps a part of its own speed here, and that is more than the circle allows. So some
+/// of these paths have more error.
 #[test]
 fn a_tool_on_springs_follows_rounded_corners_as_closely_as_with_klipper() {
     let s = machine();
