@@ -258,7 +258,7 @@ fn corners_and_speeds() {
     check("long and fast", &generate_on(&plan(&long(), &coarse), &coarse), (40_664, 3_803_253_347, 0xF5C5_3144));
     check("axes", &generate(&plan(&axes(), &settings)), (4_120, 5_758_940, 0xDC2E_7B94));
     check("retracts", &generate(&plan(&retracts(), &settings)), (11_162, 14_381_082, 0xA5AF_778A));
-    check("bends", &generate(&plan(&bends(), &settings)), (13_602, 15_443_806, 0x336E_7373));
+    check("bends", &generate(&plan(&bends(), &settings)), (13_602, 15_498_790, 0xCA68_F0E1));
     check("straight", &generate(&plan(&straight(), &settings)), (15_971, 19_195_845, 0x3B80_0C7E));
 }
 
@@ -271,7 +271,7 @@ fn wild_moves() {
     check(
         "unequal",
         &generate_on(&plan(&wild(0x5EED_0002, 60), &elsewhere), &elsewhere),
-        (18_903, 70_760_032, 0xBCC5_EF2C),
+        (18_904, 70_763_181, 0x3909_8BFC),
     );
 }
 
@@ -310,9 +310,9 @@ fn shapers_and_pressure_advance() {
     }
     let mut slow = shaped([ShaperKind::TwoHumpEi, ShaperKind::Zvd], [0, 840]);
     slow.shapers.x.frequency = Hertz::from_num(22);
-    check("fine circle", &generate_shaped(&plan(&fine_circle(), &slow), &slow), (3_940, 16_749_319, 0xA06F_5A03));
+    check("fine circle", &generate_shaped(&plan(&fine_circle(), &slow), &slow), (3_914, 16_512_973, 0xFF4A_E419));
     let elsewhere = Settings { mechanism: UNEQUAL, ..shaped([ShaperKind::Zv, ShaperKind::Zvd], [0; 2]) };
-    check("unequal", &generate_shaped(&plan(&bends(), &elsewhere), &elsewhere), (62_199, 15_781_980, 0x1358_137A));
+    check("unequal", &generate_shaped(&plan(&bends(), &elsewhere), &elsewhere), (62_200, 15_836_964, 0x11F6_656C));
     // So slow, and between belts so short, that taps may not come nearer to each other as fast as they would.
     let mut steep = shaped([ShaperKind::TwoHumpEi, ShaperKind::Mzv], [220, 300]);
     (steep.shapers.x.frequency, steep.shapers.x.motor_frequency) = (Hertz::from_num(3), Hertz::ZERO);
@@ -321,7 +321,7 @@ fn shapers_and_pressure_advance() {
 
 #[test]
 fn a_console_that_does_all_that_it_may() {
-    for (seed, expected) in [(0x5EED_0003, (199_562, 0x701A_B823)), (0x5EED_0004, (200_546, 0xA3A9_551A))] {
+    for (seed, expected) in [(0x5EED_0003, (199_700, 0x93E8_7FE7)), (0x5EED_0004, (200_507, 0x2E59_66D0))] {
         let (count, all) = console::run(seed);
         assert_eq!((count, all), expected, "{seed}: what is seen is another: ({count}, {all:#010X})");
     }
@@ -341,12 +341,12 @@ fn a_planner_that_does_all_that_it_may() {
     lifting.axes.z = lifting.axes.x;
     lifting.motor_max_acceleration = MmPerSec2::from_num(1200);
     for (seed, settings, expected) in [
-        (0x5EED_0005, &prototype, (399, 0x6B60_77F4)),
-        (0x5EED_0006, &prototype, (273, 0xC541_067B)),
-        (0x5EED_0007, &prototype, (346, 0x3127_544E)),
-        (0x5EED_0008, &square, (372, 0x3035_CED2)),
-        (0x5EED_000B, &lifting, (363, 0xFAD6_6D1A)),
-        (0x5EED_0009, &weak, (341, 0x52B3_3F6A)),
+        (0x5EED_0005, &prototype, (399, 0x223B_330C)),
+        (0x5EED_0006, &prototype, (273, 0x8BFB_DEE8)),
+        (0x5EED_0007, &prototype, (346, 0x4C8D_DA48)),
+        (0x5EED_0008, &square, (372, 0x5DFC_3589)),
+        (0x5EED_000B, &lifting, (363, 0x404B_37F7)),
+        (0x5EED_0009, &weak, (341, 0x0474_7FE9)),
     ] {
         let (count, all) = planner::planned(seed, seed == 0x5EED_0005, settings);
         assert_eq!((count, all), expected, "{seed}: what is planned is another: ({count}, {all:#010X})");

@@ -17,6 +17,9 @@ use std::fmt::Write as _;
 const FEED: f64 = 100.0;
 const LIMITS: Limits = Limits { acceleration: 3000.0, square_corner: 5.0, cruise_ratio: 0.5, extruder_corner: 1.0 };
 
+/// Radii at which the contour is compared, in mm.
+const RADII: [f64; 7] = [0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0];
+
 /// The prototype with the limits of the other.
 fn machine() -> Settings {
     let mut s = Settings::prototype();
@@ -181,22 +184,27 @@ fn contour_at(course: &[Knot], targets: &Targets, frequency: f64) -> [f64; 2] {
 }
 
 /// A rounded corner at one speed shakes the tool less than one that is entered fast and left slowly. Klipper's plan of
-/// the same path is the rival again: it has one speed in the bend. In chords below 0.05 mm it is slower than the tool
-/// here, by up to 1.4 %: a corner keeps a part of its own speed here, and that is more than the circle allows. So some
-/// of these paths have more error.
+/// the same path is the rival again: it has one speed in the bend. With exact points the two agree. Rounded to a
+/// thousandth, chords of 0.026 mm (R 0.2 mm in 12) differ by up to 5 % in length; Klipper's speed is that of the shorter
+/// chord at a corner, and the speed here that of both.
 #[test]
 fn a_tool_on_springs_follows_rounded_corners_as_closely_as_with_klipper() {
     let s = machine();
-    let (mut count, mut mean, mut greatest) = (0.0, [0.0; 2], [0f64; 2]);
-    for (shape, turns) in shapes() {
-        for chords in [6.0, 12.0] {
-            for radius in [0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0] {
-                let fillet = Fillet { side: 20.0, radius, chords, decimals: 3 };
+    for (decimals, mean_most) in [(3, 1.01), (5, 1.001)] {
+        let (mut count, mut mean, mut greatest) = (0.0, [0.0; 2], [0f64; 2]);
+        for (shape, turns) in shapes() {
+            for (chords, radius) in [6.0, 12.0].iter().flat_map(|chords| RADII.map(|radius| (*chords, radius))) {
+                let fillet = Fillet { side: 20.0, radius, chords, decimals };
                 let targets = fillet.path(&turns);
                 let ours = contour(&course([Steps::ZERO; 4], &stream(&targets, &s), &s), &targets);
                 let theirs = contour(&klipper::course(&targets, &LIMITS), &targets);
                 let ratio = [ours[0] / theirs[0], ours[1] / theirs[1]];
-                let most = if radius * FRAC_PI_2 / chords < 0.05 { 1.3 } else { 1.015 };
+                let most = match (decimals, radius * FRAC_PI_2 / chords) {
+                    (3, chord) if chord < 0.03 => 1.11,
+                    (3, chord) if chord < 0.05 => 1.03,
+                    (3, _) => 1.015,
+                    _ => 1.007,
+                };
                 assert!(ratio.iter().all(|r| *r < most), "{shape}, {fillet:?}: {ours:?} um, {theirs:?} with Klipper");
                 for i in 0..2 {
                     (mean[i], greatest[i]) = (mean[i] + ratio[i], greatest[i].max(ratio[i]));
@@ -204,10 +212,10 @@ fn a_tool_on_springs_follows_rounded_corners_as_closely_as_with_klipper() {
                 count += 1.0;
             }
         }
+        let mean = mean.map(|sum| sum / count);
+        println!("{decimals} decimals: {mean:?} of Klipper's contour error, {greatest:?} at most, in {count} paths");
+        assert!(mean.iter().all(|mean| *mean < mean_most), "{mean:?} of Klipper's contour error");
     }
-    let mean = mean.map(|sum| sum / count);
-    println!("{mean:?} of Klipper's contour error, {greatest:?} at most, in {count} paths");
-    assert!(mean.iter().all(|mean| *mean < 1.025), "{mean:?} of Klipper's contour error");
 }
 
 /// The law that `curves` holds to, where the rule is a square corner: within 4 ms the velocity changes by no more than

@@ -179,6 +179,8 @@ fn corner(p: &Way, q: &Way, path: &mut Path, s: &Settings) -> f64 {
     let x = q.length / 1.28;
     let wide = 1.0 + x + x.powi(2) / 2.0 + x.powi(3) / 6.0 + x.powi(4) / 24.0;
     let mut sharpest = 0.0;
+    // The turn over 0.08 mm before this corner goes to the same side.
+    let goes_on = dot(path.ahead[4], turn) > 0.25 * dot(turn, turn);
     for (i, ahead) in path.ahead.iter_mut().enumerate() {
         *ahead = sum(*ahead, turn, 1.0).map(|v| v / wide.powi(1 << i));
     }
@@ -217,7 +219,8 @@ fn corner(p: &Way, q: &Way, path: &mut Path, s: &Settings) -> f64 {
             } else {
                 // The same corner may come again.
                 let chord = if p.length.max(q.length) >= 1.0 { shorter } else { (p.length + q.length) / 2.0 };
-                let again = circle(chord, size(turn)).max(0.25 * arc);
+                let own = if goes_on && chord < 0.08 { 0.0 } else { 0.25 * arc };
+                let again = circle(chord, size(turn)).max(own);
                 let is_known = curve < 1.05 * again;
                 arc.min(row).min(if is_known { f64::INFINITY } else { again }).max(least)
             });

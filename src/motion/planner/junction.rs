@@ -24,7 +24,8 @@
 //!   makes all others slow. So between short chords the law of long ones bounds the bend from two sides. A corner is
 //!   never slower than by its own shape, `a L/2 tan(t/2)` for the shorter chord. It is no faster than the circle of
 //!   both chords, because the next corner may be alike. A corner that stays a single one loses little, because it
-//!   keeps [`GOES_ON`] of its `v^2`.
+//!   keeps [`SINGLE`] of its `v^2`. Between chords below [`SHORTEST`] it keeps none if it [goes on](GOES_ON) with a turn
+//!   to the same side: of 7.5 degrees on a radius of 0.3 mm a quarter is more than the circle allows.
 //!
 //! The acceleration on that arc points along the change of direction, so the axes limit it in that direction. A corner
 //! between the bed plane and Z is as slow as Z.
@@ -42,7 +43,7 @@
 
 use super::bed::Demand;
 use super::geometry::{Belts, Geometry, Limits, Shares, UNIT};
-use super::path_curvature::PathCurvature;
+use super::path_curvature::{PathCurvature, SHORTEST};
 use crate::motion::number::{mm, root, speed, speed_sq};
 use crate::settings::{CornerRule, Settings};
 use crate::units::{Length, SpeedSq};
@@ -62,6 +63,11 @@ const LONG_CHORD: f32 = 1.0;
 /// The part of the squared speed of junction deviation that a corner between short chords may have whatever follows it.
 /// With a fifth, straight lines in rounded chords of 0.02 mm take 4 % longer; with 0.4, small fillets shake the tool
 /// more (measured on `tests/motion/joining.rs` and `fillets.rs`).
+const SINGLE: f32 = 0.25;
+
+/// A corner whose turn is up to four times the one before it, to the same side, goes on with a bend. With 0.4, the
+/// second corner of a bend is faster than its circle if the first one turns half as much (`tests/motion/fillets.rs`).
+/// Rounded points on a line turn to both sides by turns.
 const GOES_ON: f32 = 0.25;
 
 /// Where the curvature allows less than this times what the two chords allow, it counts alone. With 1.15, rounded
@@ -196,7 +202,8 @@ fn bend(before: &Geometry, after: &Geometry, curvature: &mut PathCurvature, acce
     } else {
         let (leads, base) = (lead_length + past, least(base, first.base));
         let of_bend = 8.0 * base / (leads * leads);
-        least(most, corner([most, of_bend], [before, after], turn_sq, max_accel, base))
+        let goes_on = curve.same_side > GOES_ON * turn_sq;
+        least(most, corner([most, of_bend], [before, after], turn_sq, goes_on, max_accel, base))
     };
     // It was no faster at the corner of the greatest lead (the lead with this corner is in `most` already). From rest
     // it accelerates all along.
@@ -217,6 +224,7 @@ fn corner(
     [of_curve, of_bend]: [f32; 2],
     [before, after]: [&Geometry; 2],
     turn_sq: f32,
+    goes_on: bool,
     max_accel: f32,
     base: f32,
 ) -> f32 {
@@ -236,9 +244,11 @@ fn corner(
     }
     // A chord behind a long line may be the first of a curve.
     let size = if p < LONG_CHORD && q < LONG_CHORD { 0.5 * (p + q) } else { shorter };
-    let (most, goes_on) = (least(of_bend, arc), greatest(GOES_ON * arc, size * curve));
+    // The curvature sees no turn within so little, and the lead of a bend at its limit is made up for by then.
+    let own = if goes_on && size < SHORTEST { 0.0 } else { SINGLE * arc };
+    let (most, alike) = (least(of_bend, arc), greatest(own, size * curve));
     // Where the curvature is known and says nearly the same it counts, because points' errors disturb it less.
-    let most = if of_curve >= NEARLY * goes_on { least(most, goes_on) } else { most };
+    let most = if of_curve >= NEARLY * alike { least(most, alike) } else { most };
     greatest(most, circle)
 }
 

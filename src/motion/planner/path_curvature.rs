@@ -23,8 +23,11 @@ use crate::motion::number::root;
 /// 0.0015 per mm: at 200 mm/s and 3 m/s2 a circle may have 0.075 per mm.
 const REACH: f32 = 1.28;
 
-/// Distances: the shortest is 0.08 mm; [`ROUNDING`] is less than a hundredth of it. A turn within less shows as a lead.
+/// Distances. A turn within less than the [shortest](SHORTEST) shows as a lead.
 const SCALES: usize = 5;
+
+/// The shortest of the distances, in mm: [`ROUNDING`] is less than a hundredth of it.
+pub(in crate::motion) const SHORTEST: f32 = REACH / (1 << (SCALES - 1)) as f32;
 
 /// The error of coordinates, in mm: thousandths of a millimetre put a point up to 0.0007 mm off, and a mean covers
 /// several points.
@@ -50,6 +53,9 @@ pub(in crate::motion) struct Bend {
     pub size: f32,
     /// One over the radius, in 1/mm.
     pub curvature: f32,
+    /// The product of the turn of this corner and the turn over the last [`SHORTEST`] mm before it: more than 0 where
+    /// the path goes on turning to the same side.
+    pub same_side: f32,
 }
 
 impl PathCurvature {
@@ -82,7 +88,9 @@ impl PathCurvature {
         // e to the power of -x, as far as it matters. Over half the distance it is the square of that.
         let mut left = 1.0 / (1.0 + x * (1.0 + x * (0.5 + x * (const { 1.0 / 6.0 } + x * const { 1.0 / 24.0 }))));
         let (mut reach, mut inverse) = (REACH, const { 1.0 / REACH });
-        let mut bend = Bend::default();
+        let [x_ahead, y_ahead, z_ahead] = self.means[SCALES - 1];
+        let same_side = -(x_ahead * turn_x + y_ahead * turn_y + z_ahead * turn_z);
+        let mut bend = Bend { same_side, ..Bend::default() };
         let mut wider: Option<[f32; 3]> = None;
         for mean in &mut self.means {
             let [x, y, z] = *mean;
@@ -95,7 +103,8 @@ impl PathCurvature {
                 let known = noise + bend.curvature * reach;
                 if square > known * known {
                     let size = root(square);
-                    bend = Bend { turn: [dx, dy, dz], size, curvature: (size - noise) * inverse };
+                    let curvature = (size - noise) * inverse;
+                    bend = Bend { turn: [dx, dy, dz], size, curvature, same_side };
                 }
             }
             wider = Some([x, y, z]);
