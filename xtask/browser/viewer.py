@@ -388,11 +388,32 @@ def phone(browser):
     browser.check_width()
     tap(browser)
     remarks(browser)
+    charts(browser)
     browser.run("document.querySelector('.charts').scrollIntoView()")
     browser.wait("a chart", lambda: browser.find_all(".charts .u-over"))
     touch = browser.run("return getComputedStyle(document.querySelector('.charts .u-over')).touchAction")
     check(touch == "pan-y", f"a chart cannot be scrolled past: {touch}")
     browser.check_quiet()
+
+
+# The heights of the charts; and whether all of them have values.
+CHARTS = "return [...document.querySelectorAll('.charts .chart')].map(chart => chart.getBoundingClientRect().height)"
+READ = "return [...document.querySelectorAll('.charts .plot:not([hidden])')].every(plot => plot.parentNode.querySelector('b').textContent)"
+
+# Each value as long as it may be.
+LONGEST = "for (const value of document.querySelectorAll('.charts .legend b')) value.textContent = '-10.5k to -12.5k'"
+
+
+def charts(browser):
+    """Values come later than the page and change all the time; none of them moves what stands below."""
+    browser.driver.refresh()
+    whole(browser)
+    heights = browser.run(CHARTS)
+    browser.wait("values", lambda: browser.run(READ))
+    check(browser.run(CHARTS) == heights, f"charts were {heights} px high, and with values {browser.run(CHARTS)}")
+    browser.run(LONGEST)
+    check(browser.run(CHARTS) == heights, f"charts were {heights} px high, and with long values {browser.run(CHARTS)}")
+    browser.check_width()
 
 
 def remarks(browser):

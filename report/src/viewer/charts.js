@@ -16,9 +16,10 @@ class Chart {
     this.legend = make("span", { className: "legend" }, ...names.map((name, k) => make("span", {}, this.swatches[k], name + " ", this.values[k])));
     this.place = make("div", { className: "plot", tabIndex: 0, role: "img" });
     this.place.ariaLabel = `${title}${unit ? ", " + unit : ""}, over time: ${names.join(", ")}`;
-    this.hint = make("p", { className: "sub", textContent: `Choose a window of at most ${longest} s to see it.`, hidden: true });
+    this.hint = make("p", { className: "sub", textContent: `Choose a window of at most ${longest} s to see it.` });
     this.element = make("div", { className: "chart" }, make("div", { className: "bar" }, make("h3", { textContent: title + (unit ? ", " + unit : "") }), this.legend), this.hint, this.place);
     this.now = make("div", { className: "nowline" });
+    this.choose();
     new IntersectionObserver(entries => { this.isSeen = entries.at(-1).isIntersecting; group.ask(); }, { rootMargin: "150px" }).observe(this.place);
   }
   build() {
@@ -88,10 +89,15 @@ class Chart {
     });
     if (bin !== null) this.group.say(time[b]);
   }
-  async update(isWanted) {
-    const { group: { window: [from, to] } } = this, key = [from, to, this.place.clientWidth].join();
+  /** The curves, or in a window that is too long the hint, from the begin on: what is read later moves nothing. */
+  choose() {
+    const [from, to] = this.group.window;
     this.hint.hidden = to - from <= this.longest * 1.001;
     this.place.hidden = !this.hint.hidden;
+  }
+  async update(isWanted) {
+    const { group: { window: [from, to] } } = this, key = [from, to, this.place.clientWidth].join();
+    this.choose();
     if (this.place.hidden) return;
     if (this.plot && this.key === key) return;
     const n = clamp(Math.round(this.place.clientWidth - 62), 100, 1200), last = await this.data(...this.group.window, n, isWanted);

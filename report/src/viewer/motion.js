@@ -39,7 +39,7 @@ function motionCharts(record, player) {
   const of = (...names) => async (...window) => { const found = await all(...window); return found && [found.time, ...names.flatMap(name => [found.curves[name].low, found.curves[name].high])]; };
   charts.add({ title: "Speed of the tool", unit: "mm/s", names: ["speed"], data: of("v"), low: 0 });
   charts.add({ title: "Speed of the axes", unit: "mm/s", names: ["x", "y", "z"], data: of("vx", "vy", "vz") });
-  charts.add({ title: "Acceleration", unit: "mm/s\u00b2", names: ["along the path", "x", "y"], data: of("a", "ax", "ay"), colours: [() => rgb(OKABE_ITO.grey)] });
+  charts.add({ title: "Acceleration", unit: "mm/s\u00b2", names: ["path", "x", "y"], data: of("a", "ax", "ay"), colours: [() => rgb(OKABE_ITO.grey)] });
   if (motors.length) charts.add({ title: "Step rate of the motors", unit: "steps/s", names: motors.map(m => m.name), data: of(...motors.map(m => "m:" + m.name)), low: 0 });
   charts.add({ title: "Position", unit: "mm", names: ["x", "y", "z"], data: of("x", "y", "z") });
   charts.add({ title: "Flow", unit: "mm\u00b3/s", names: ["flow"], data: of("flow") });
