@@ -5,7 +5,8 @@ use anyhow::{Result, bail};
 use corehbot::gcode::{self, Treatment};
 use corehbot::settings::table;
 use object::elf::{SHF_ALLOC, SHT_NOBITS};
-use object::{Object as _, ObjectSection as _, ObjectSymbol as _, SectionFlags};
+use object::read::elf::ElfSection32;
+use object::{Endianness, Object as _, ObjectSection as _, ObjectSymbol as _, SectionFlags};
 
 /// A resource of the processor and how much of it may be used.
 struct Budget {
@@ -44,17 +45,28 @@ fn objection(name: &str) -> Option<&'static str> {
     }
 }
 
+/// The sections that take memory, and whether each has bytes in flash.
+fn allocated<'e, 'd>(elf: &'e Elf<'d>) -> impl Iterator<Item = (ElfSection32<'d, 'e, Endianness>, bool)> {
+    let takes_memory = |section: &ElfSection32<'d, 'e, Endianness>| {
+        let SectionFlags::Elf { sh_flags } = section.flags() else { return false };
+        sh_flags & u64::from(SHF_ALLOC) != 0 && section.size() > 0
+    };
+    elf.sections().filter(takes_memory).map(|section| {
+        let has_bytes = section.elf_section_header().sh_type.get(elf.endian()) != SHT_NOBITS;
+        (section, has_bytes)
+    })
+}
+
+/// All bytes of flash.
+pub fn flash(elf: &Elf<'_>) -> u64 {
+    allocated(elf).filter(|(_, has_bytes)| *has_bytes).map(|(section, _)| section.size()).sum()
+}
+
 /// Prints how much each part takes, and says which budget is exceeded.
 pub fn weigh(elf: &Elf<'_>, has_plant: bool) -> Result<Vec<String>> {
-    let (mut flash, mut ram, mut first_values) = (0, 0, 0);
-    for section in elf.sections() {
-        let SectionFlags::Elf { sh_flags } = section.flags() else { continue };
-        if sh_flags & u64::from(SHF_ALLOC) == 0 || section.size() == 0 {
-            continue;
-        }
-        let has_bytes = section.elf_section_header().sh_type.get(elf.endian()) != SHT_NOBITS;
+    let (mut ram, mut first_values) = (0, 0);
+    for (section, has_bytes) in allocated(elf) {
         let is_written = matches!(section.name()?, ".data" | ".bss" | ".uninit");
-        flash += if has_bytes { section.size() } else { 0 };
         ram += if is_written { section.size() } else { 0 };
         first_values += if is_written && has_bytes { section.size() } else { 0 };
         println!("{:<16} {:>8} at {:#010x}", section.name()?, section.size(), section.address());
@@ -66,7 +78,7 @@ pub fn weigh(elf: &Elf<'_>, has_plant: bool) -> Result<Vec<String>> {
     println!("{:<16} {:>8} at {end:#010x}", "stack", start - end);
     let mut complaints = Vec::new();
     let of_flash = if has_plant { FLASH_WITH_PLANT } else { FLASH };
-    for (budget, bytes) in [(of_flash, flash), (RAM, ram), (FIRST_VALUES, first_values)] {
+    for (budget, bytes) in [(of_flash, flash(elf)), (RAM, ram), (FIRST_VALUES, first_values)] {
         println!("{:<16} {bytes:>8} of {:>7} allowed ({})", budget.name, budget.bytes, budget.of);
         if bytes > budget.bytes {
             complaints.push(format!("{} is {} bytes over its budget", budget.name, bytes - budget.bytes));
@@ -90,14 +102,7 @@ pub fn forbidden(elf: &Elf<'_>, has_plant: bool) -> Vec<String> {
 
 /// Says which text for people is in the image: only programs on a computer show them, and all would take 14 KB.
 fn texts_for_people(elf: &Elf<'_>) -> Option<String> {
-    let sections: Vec<&[u8]> = elf
-        .sections()
-        .filter(|section| {
-            let SectionFlags::Elf { sh_flags } = section.flags() else { return false };
-            sh_flags & u64::from(SHF_ALLOC) != 0
-        })
-        .filter_map(|section| section.data().ok())
-        .collect();
+    let sections: Vec<&[u8]> = allocated(elf).filter_map(|(section, _)| section.data().ok()).collect();
     let is_in_image = |line: &str| sections.iter().any(|bytes| has(bytes, line.as_bytes()));
     let line = texts().find(|line| line.len() > LONG && is_in_image(line))?;
     Some(format!("{line:?} is in the image, where it only costs flash"))

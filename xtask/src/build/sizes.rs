@@ -5,11 +5,11 @@
 //! no author: texts and tables are one room.
 
 use super::Elf;
+use super::contents::flash;
 use crate::image_code::Code;
 use addr2line::demangle_auto;
 use anyhow::{Context as _, Result, ensure};
-use object::elf::{SHF_ALLOC, SHT_NOBITS};
-use object::{Object as _, ObjectSection as _, ObjectSymbol as _, SectionFlags, SymbolKind};
+use object::{Object as _, ObjectSymbol as _, SymbolKind};
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -66,15 +66,6 @@ fn room(path: &str) -> Option<String> {
         _ => return None,
     };
     Some(folders.get(..depth)?.join("/"))
-}
-
-/// All bytes of flash.
-fn flash(elf: &Elf<'_>) -> u64 {
-    let is_stored = |section: &object::read::elf::ElfSection32<'_, '_, object::Endianness>| {
-        let SectionFlags::Elf { sh_flags } = section.flags() else { return false };
-        sh_flags & u64::from(SHF_ALLOC) != 0 && section.elf_section_header().sh_type.get(elf.endian()) != SHT_NOBITS
-    };
-    elf.sections().filter(is_stored).map(|section| section.size()).sum()
 }
 
 fn functions(elf: &Elf<'_>) -> Vec<(u64, String)> {
