@@ -401,7 +401,7 @@ CHARTS = "return [...document.querySelectorAll('.charts .chart')].map(chart => c
 READ = "return [...document.querySelectorAll('.charts .plot:not([hidden])')].every(plot => plot.parentNode.querySelector('b').textContent)"
 
 # Each value as long as it may be.
-LONGEST = "for (const value of document.querySelectorAll('.charts .legend b')) value.textContent = '-10.5k to -12.5k'"
+LONGEST = "for (const value of document.querySelectorAll('.legend.values b')) value.textContent = '-10.5k to -12.5k'"
 
 
 def charts(browser):

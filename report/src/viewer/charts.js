@@ -13,7 +13,7 @@ class Chart {
     this.colours = names.map((_, k) => colours?.[k] ?? (() => curveColour(k)));
     this.values = names.map(() => make("b"));
     this.swatches = names.map(() => make("i", { className: "swatch" }));
-    this.legend = make("span", { className: "legend" }, ...names.map((name, k) => make("span", {}, this.swatches[k], name + " ", this.values[k])));
+    this.legend = make("span", { className: "legend values" }, ...names.map((name, k) => make("span", {}, this.swatches[k], name + " ", this.values[k])));
     this.place = make("div", { className: "plot", tabIndex: 0, role: "img" });
     this.place.ariaLabel = `${title}${unit ? ", " + unit : ""}, over time: ${names.join(", ")}`;
     this.hint = make("p", { className: "sub", textContent: `Choose a window of at most ${longest} s to see it.` });
