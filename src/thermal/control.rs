@@ -267,7 +267,8 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         let is_any_on = duties.iter().any(|duty| *duty > 0);
         for heater in Heater::ALL {
             let looped = &self.heaters[heater as usize];
-            let target = self.self_test.as_ref().map_or(looped.target(), |test| test.held()[heater as usize]);
+            let held = self.self_test.as_ref().map(|test| looped.legal(test.held()[heater as usize]));
+            let target = held.unwrap_or(looped.target());
             let measured = looped.measured().filter(|_| looped.settings().is_fitted);
             let duty = if is_any_on { looped.duty() } else { 0 };
             self.status.heat().set_heater(heater, measured, target, duty);

@@ -43,6 +43,20 @@ proptest! {
     }
 }
 
+/// Reproducer: a target that waits for the end of a self-test stayed when the bed's readings began to flicker. These
+/// bytes were found by the property above.
+#[test]
+fn a_target_that_a_self_test_holds_ends_when_heat_is_refused() {
+    heat_orders(&[
+        107, 188, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 4, 238, 195, 143, 122, 192, 205, 97, 36, 141, 200, 180, 190,
+        63, 160, 129, 50, 199, 140, 16, 4, 59, 107, 21, 89, 65, 47, 7, 1, 91, 150, 128, 178, 39, 69, 163, 36, 74, 14,
+        5, 18, 161, 127, 74, 19, 65, 27, 247, 228, 219, 237, 24, 216, 178, 169, 119, 220, 210, 187, 226, 67, 215, 206,
+        99, 59, 253, 24, 46, 51, 206, 11, 149, 150, 136, 199, 140, 84, 153, 128, 186, 37, 8, 129, 71, 41, 5, 74, 69,
+        194, 231, 202, 209, 27, 253, 13, 254, 64, 110, 225, 179, 117, 39, 121, 209, 95, 55, 93, 135, 83, 223, 110, 29,
+        121, 137, 200, 66, 167, 17, 156, 38, 205, 99, 98, 150, 211, 216, 165, 226, 112, 151, 85, 81, 42, 254, 8, 93,
+    ]);
+}
+
 #[test]
 fn wild_orders_leave_a_real_machine_below_its_limit() {
     let mut printer = Printer::new(&super::constants(), settings());
