@@ -185,8 +185,8 @@ fn contour_at(course: &[Knot], targets: &Targets, frequency: f64) -> [f64; 2] {
 
 /// A rounded corner at one speed shakes the tool less than one that is entered fast and left slowly. Klipper's plan of
 /// the same path is the rival again: it has one speed in the bend. With exact points the two agree. Rounded to a
-/// thousandth, chords of 0.026 mm (R 0.2 mm in 12) differ by up to 5 % in length; Klipper's speed is that of the shorter
-/// chord at a corner, and the speed here that of both.
+/// thousandth, chords of 0.026 mm (R 0.2 mm in 12) differ by up to 5 % in length; Klipper's speed is that of the
+/// shorter chord at a corner, and the speed here that of both.
 #[test]
 fn a_tool_on_springs_follows_rounded_corners_as_closely_as_with_klipper() {
     let s = machine();

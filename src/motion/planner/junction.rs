@@ -24,8 +24,8 @@
 //!   makes all others slow. So between short chords the law of long ones bounds the bend from two sides. A corner is
 //!   never slower than by its own shape, `a L/2 tan(t/2)` for the shorter chord. It is no faster than the circle of
 //!   both chords, because the next corner may be alike. A corner that stays a single one loses little, because it
-//!   keeps [`SINGLE`] of its `v^2`. Between chords below [`SHORTEST`] it keeps none if it [goes on](GOES_ON) with a turn
-//!   to the same side: of 7.5 degrees on a radius of 0.3 mm a quarter is more than the circle allows.
+//!   keeps [`SINGLE`] of its `v^2`. Between chords below [`SHORTEST`] it keeps none if it [goes on](GOES_ON) with a
+//!   turn to the same side: of 7.5 degrees on a radius of 0.3 mm a quarter is more than the circle allows.
 //!
 //! The acceleration on that arc points along the change of direction, so the axes limit it in that direction. A corner
 //! between the bed plane and Z is as slow as Z.
@@ -33,9 +33,9 @@
 //! Two limits count whatever the rule is: the speeds of the extruder and of z jump by no more than their jerks.
 //!
 //! The law is written down again on purpose, as checks that do not share a mistake with it: in `tests/motion`
-//! (`corners`, `model`, `curves`, `properties`) and in `boards/sim/src/limits.rs`. Another rule is a variant of
-//! [`CornerRule`]. The compiler asks for it in all these places, and `boards/sim/tests/every_setting.rs` for its key in
-//! machine files and its letter of M205. The checker of prints has its assumptions in `boards/sim/src/check.rs` and
+//! (`corners`, `model`, `curves`, `properties`) and in `sim/board/src/limits.rs`. Another rule is a variant of
+//! [`CornerRule`]. The compiler asks for it in all these places, and `sim/board/tests/every_setting.rs` for its key in
+//! machine files and its letter of M205. The checker of prints has its assumptions in `sim/board/src/check.rs` and
 //! `check/changes.rs` (`BEND`, windows as long as [`BEND_TIME`]): another law may need another bound there.
 //!
 //! A rule is one number, acceleration times deviation, which the laws for bends use too. A law that is no such number,
