@@ -14,7 +14,7 @@ mod slowest;
 
 use crate::verdict::{Times, Verdict};
 use crate::{bench, browser, clients, cluster, compare, tools, usb};
-use Lane::{Cable, Emulated, First, Host, Images};
+use Lane::{Cable, Emulated, First, Host, Images, Last};
 use anyhow::{Context as _, Result, bail};
 use std::cmp::Reverse;
 use std::path::{Path, PathBuf};
@@ -55,6 +55,8 @@ enum Lane {
     Emulated,
     /// In parallel with [`Lane::Emulated`], since it waits for most of its time.
     Cable,
+    /// Alone, after all others: QEMU counts instructions, but its serial line brings bytes when this computer has time.
+    Last,
 }
 
 impl Lane {
@@ -66,6 +68,7 @@ impl Lane {
             Self::Images => "images",
             Self::Emulated => "emulated",
             Self::Cable => "cable",
+            Self::Last => "last",
         }
     }
 }
@@ -107,7 +110,6 @@ const STEPS: [Step; 19] = [
     Step { name: "qemu", lane: Images, heading: "QEMU steps as the simulator does", run: compare::check },
     Step { name: "exchange", lane: Images, heading: "QEMU answers hosts as it is written", run: exchanges::check },
     Step { name: "halt", lane: Images, heading: "QEMU stops at M112 within a millisecond", run: halt::check },
-    Step { name: "bench", lane: Images, heading: "no figure of performance has got worse", run: bench::check },
     Step {
         name: "emulate",
         lane: Emulated,
@@ -115,6 +117,7 @@ const STEPS: [Step; 19] = [
         run: cargo::emulate,
     },
     Step { name: "usb", lane: Cable, heading: "Linux prints over USB on the Octopus's image", run: usb::check },
+    Step { name: "bench", lane: Last, heading: "no figure of performance has got worse", run: bench::check },
 ];
 
 /// Runs the steps; one that fails does not keep the others from running.
@@ -135,6 +138,7 @@ pub fn main(args: &Args) -> Result<()> {
         let images = lane::begin(Images)?;
         report.run(|step| step.lane == Host);
         report.read(&images.end()?)?;
+        report.run(|step| step.lane == Last);
     }
     report.print();
     if report.failed > 0 { bail!("not everything is well") } else { Ok(()) }
