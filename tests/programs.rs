@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The packages whose tests are one program, and with these the core's second one.
-const PACKAGES: [&str; 3] = ["", "boards/sim", "twin"];
+const PACKAGES: [&str; 3] = ["", "sim/board", "twin"];
 
 /// The files that a source file names as modules, by `mod NAME;`.
 fn modules_of(file: &Path) -> Vec<PathBuf> {

@@ -13,14 +13,14 @@ use std::path::{Path, PathBuf};
 /// The folder of each crate, its name, and the crates that it may use: only those above it.
 const CRATES: [(&str, &str, &[&str]); 12] = [
     (".", "corehbot", &[]),
-    ("rig", "corehbot-rig", &["corehbot"]),
+    ("sim/rig", "corehbot-rig", &["corehbot"]),
     ("twin", "corehbot-twin", &[]),
     ("resonance", "corehbot-resonance", &["corehbot-twin"]),
     ("chips/wiring", "corehbot-wiring", &["corehbot"]),
     ("boards/registry", "corehbot-boards", &["corehbot", "corehbot-wiring"]),
     ("machine-file", "corehbot-machine-file", &["corehbot", "corehbot-boards", "corehbot-wiring", "corehbot-twin"]),
     ("gcode-file", "corehbot-gcode-file", &["corehbot-machine-file"]),
-    ("boards/sim", "corehbot-sim", &["corehbot", "corehbot-rig", "corehbot-twin", "corehbot-machine-file"]),
+    ("sim/board", "corehbot-sim", &["corehbot", "corehbot-rig", "corehbot-twin", "corehbot-machine-file"]),
     (
         "report",
         "corehbot-report",

@@ -29,7 +29,7 @@ const COREHBOT: &str = "name = \"first hour\"\nboard = \"octopus\"\n";
 const COREXY: &str = "name = \"first hour\"\nboard = \"octopus\"\n\
                       [mechanism]\nm11 = [1, 1, 0]\nm8 = [1, -1, 0]\nz1 = [0, 0, 1]\ne0 = [0, 0, 0, 1]\n";
 
-/// The room of the rig's plant (`ambient_celsius` of rig/src/plant/prototype.rs).
+/// The room of the rig's plant (`ambient_celsius` of sim/rig/src/plant/prototype.rs).
 const ROOM_CELSIUS: f64 = 25.0;
 
 /// A reading's noise: 0.8 LSB of 12 bits (`noise_lsb` there) are 0.1 K at an NTC of 100 kOhm under 4.7 kOhm, and a draw

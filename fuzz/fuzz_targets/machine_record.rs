@@ -1,7 +1,7 @@
-//! Any bytes: see `boards/sim/tests/common/wild_machine.rs`, which the property tests run as well.
+//! Any bytes: see `sim/board/tests/common/wild_machine.rs`, which the property tests run as well.
 #![no_main]
 
-#[path = "../../boards/sim/tests/common/wild_machine.rs"]
+#[path = "../../sim/board/tests/common/wild_machine.rs"]
 mod wild_machine;
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| wild_machine::record(data));

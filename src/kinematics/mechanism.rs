@@ -10,7 +10,7 @@
 //! is rounded.
 //!
 //! **A new mechanism changes nothing here**: it is a file in `examples/machines` (its `[mechanism]`). A board starts as
-//! the stored machine, or else as the machine of its image. The tests of `boards/sim/tests/machines` home, print and
+//! the stored machine, or else as the machine of its image. The tests of `sim/board/tests/machines` home, print and
 //! stop every file; `tests/mechanisms/machines.rs` and docs/explanation/kinematics.md have tables of them.
 
 use super::forward::{ForwardKinematics, is_held};

@@ -2,7 +2,7 @@
 //!
 //! A command returns its answer; `main_loop::reply` writes it, and the Console then sends the `ok`. A new reply is a
 //! variant here and an arm in `main_loop::reply`. A reply of several lines gets its own function in `reports`. An
-//! `echo:` that is no trouble also goes into `EXPECTED` of `boards/sim/src/host.rs`, or `corehbot run` warns of it.
+//! `echo:` that is no trouble also goes into `EXPECTED` of `sim/board/src/host.rs`, or `corehbot run` warns of it.
 
 use super::belt_answer::BeltAnswer;
 use super::buzz_answer::BuzzAnswer;

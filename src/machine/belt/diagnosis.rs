@@ -22,7 +22,7 @@ pub(in crate::machine) struct Touched {
 
 /// Direction of the tool's displacement along x and y, or 0, given the microsteps of a full step. Less than three
 /// sixteenths of a full step may be friction and the switch. A skip does at least twice that (at the corner of the
-/// reach; `boards/sim/tests/belt`).
+/// reach; `sim/board/tests/belt`).
 pub(in crate::machine) fn ways_aside(mechanism: &Mechanism, aside: [i32; 2], full_step: i32) -> [i32; 2] {
     of_motors(mechanism, aside).map(|steps| if steps.abs() * 16 >= 3 * full_step { steps.signum() } else { 0 })
 }

@@ -1,7 +1,7 @@
 //! Homing: each axis finds its endstop fast, backs off, and finds it again slowly ([`switch`](super::switch)).
 //!
 //! The endstops are switches at one end of their axes ([`Endstop`]), and stay pressed beyond the place where they are
-//! met. The rig presses them in the same way (`rig/src/lib.rs`). The position of that place is a setting; so is the
+//! met. The rig presses them in the same way (`sim/rig/src/lib.rs`). The position of that place is a setting; so is the
 //! order of the axes.
 //!
 //! If the settings say so, the Z probe homes z ([`find_zero`]), or its switch at a place

@@ -11,7 +11,7 @@
 //! or [`MOST_MS`] passes. A dip of the whole supply resets all drivers, so all others are checked before anything but
 //! braking happens. Limp mode runs at most once per boot.
 //!
-//! `park` has the place and the lift, `halted` the words. `boards/sim/tests/belt/limp.rs` tests both,
+//! `park` has the place and the lift, `halted` the words. `sim/board/tests/belt/limp.rs` tests both,
 //! `emulator/tests/drivers.rs` the lift and the words. docs/explanation/belt.md (*Limp*) describes the place and the
 //! times, docs/explanation/safety.md the times.
 

@@ -182,7 +182,7 @@ pub fn taps(shapers: &Shapers, window: Option<Seconds>) -> [Taps; AXES] {
         let early = delay - mean(&impulses);
         impulses.into_iter().map(|(time, weight)| tap((early + time, weight))).collect()
     };
-    // No window means no advance; `boards/sim/src/limits.rs` divides by it too. A delay holds 1.67 s. If it is longer
+    // No window means no advance; `sim/board/src/limits.rs` divides by it too. A delay holds 1.67 s. If it is longer
     // than `SPANS` of short moves, short moves take longer (docs/explanation/shaping.md has the delays, and the events
     // of `examples/shaping.gcode`).
     const {

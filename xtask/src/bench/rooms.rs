@@ -75,7 +75,7 @@ impl Room {
                 _ => None,
             };
         }
-        if path.starts_with("rig/") || path.ends_with("an386/trace.rs") {
+        if path.starts_with("sim/rig/") || path.ends_with("an386/trace.rs") {
             return Some(Self::Rig);
         }
         (path.starts_with("boards/") || path.starts_with("chips/")).then_some(Self::Board)

@@ -251,8 +251,8 @@ fn is_one_of(path: &str, names: &[&str]) -> bool {
 }
 
 /// Whether M503 reports it for every machine, or never. M503 reports settings of heaters and fans only if they are
-/// fitted; `boards/sim/tests/heat.rs` sends those lines back. It reports circulation only with a closed belt
-/// (`boards/sim/tests/machines/circulation.rs`). The mechanism and the connectors are not numbers.
+/// fitted; `sim/board/tests/heat.rs` sends those lines back. It reports circulation only with a closed belt
+/// (`sim/board/tests/machines/circulation.rs`). The mechanism and the connectors are not numbers.
 fn is_of_all_machines(path: &str) -> bool {
     let is_of_closed_belt = path.starts_with("belt.")
         && !["belt.settling_ms", "belt.alignment", "belt.preload", "belt.phases", "belt.limp_lift"].contains(&path);
