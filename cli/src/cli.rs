@@ -6,24 +6,27 @@
 #[cfg(unix)]
 use crate::bringup::{self, Bringup};
 use crate::config::{self, Config};
-use crate::examples::with_examples;
+use crate::examples::EXAMPLES;
 use crate::image::{self, Image};
 use crate::resonance::{self, Resonance};
 use crate::run::{self, Run};
-use crate::say::note;
 #[cfg(unix)]
 use crate::serve::{self, Serve};
-use crate::status::{FAILED, UNUSABLE};
 use crate::twin::{self, Twin};
-use anyhow::Result;
 use clap::error::ErrorKind;
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
+use corehbot_host::examples::with_examples;
+use corehbot_host::say::note;
+use corehbot_host::status::{UNUSABLE, end};
 use corehbot_machine_file::file_kind::{FileKind, START};
-use corehbot_report::printable;
+use corehbot_machine_file::printable;
 use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 use std::process::ExitCode;
+
+/// The name of this program in messages.
+const PROGRAM: &str = "corehbot";
 
 /// The CoreH-bot firmware on this computer: prints G-code on a simulated machine.
 #[derive(Parser)]
@@ -62,7 +65,7 @@ enum Command {
 /// The command line, with examples in the help of each command.
 #[must_use]
 pub fn command() -> clap::Command {
-    with_examples(Cli::command(), "")
+    with_examples(Cli::command(), &EXAMPLES, "")
 }
 
 /// Runs the command that the process was called with.
@@ -81,15 +84,15 @@ pub fn main() -> ExitCode {
         }
     };
     match called.command {
-        Command::Run(args) => end(run::Prepared::new(&args), |prepared| prepared.run(&args)),
+        Command::Run(args) => end(PROGRAM, run::Prepared::new(&args), |prepared| prepared.run(&args)),
         #[cfg(unix)]
-        Command::Serve(args) => end(serve::Prepared::new(&args), |prepared| prepared.run(&args)),
+        Command::Serve(args) => end(PROGRAM, serve::Prepared::new(&args), |prepared| prepared.run(&args)),
         #[cfg(unix)]
-        Command::Bringup(args) => end(bringup::Prepared::new(&args), |prepared| prepared.run(&args)),
-        Command::Image(args) => end(image::Prepared::new(&args), |prepared| prepared.write(&args)),
-        Command::Config(config) => end(config::run(&config), Ok),
-        Command::Resonance(args) => end(resonance::Prepared::new(&args), |prepared| prepared.run(&args)),
-        Command::Twin(question) => end(Ok(question), |question| twin::run(&question)),
+        Command::Bringup(args) => end(PROGRAM, bringup::Prepared::new(&args), |prepared| prepared.run(&args)),
+        Command::Image(args) => end(PROGRAM, image::Prepared::new(&args), |prepared| prepared.write(&args)),
+        Command::Config(config) => end(PROGRAM, config::run(&config), Ok),
+        Command::Resonance(args) => end(PROGRAM, resonance::Prepared::new(&args), |prepared| prepared.run(&args)),
+        Command::Twin(question) => end(PROGRAM, Ok(question), |question| twin::run(&question)),
     }
 }
 
@@ -106,18 +109,4 @@ fn way_of(path: &Path) -> Option<String> {
     };
     let file = file.display().to_string();
     Some(format!("{file} is {}: {}", kind.name(), kind.way().replace("FILE", &file).replace("FOLDER", &file)))
-}
-
-/// Runs the prepared command, and returns the exit status.
-fn end<T>(prepared: Result<T>, run: impl FnOnce(T) -> Result<u8>) -> ExitCode {
-    match prepared.map(run) {
-        Ok(Ok(status)) => ExitCode::from(status),
-        Ok(Err(error)) => complain(&error, FAILED),
-        Err(error) => complain(&error, UNUSABLE),
-    }
-}
-
-fn complain(error: &anyhow::Error, status: u8) -> ExitCode {
-    note(format_args!("corehbot: {}", printable::lines(&format!("{error:#}"))));
-    ExitCode::from(status)
 }

@@ -3,25 +3,19 @@
 #[cfg(unix)]
 mod exchange;
 mod from;
-#[cfg(unix)]
-mod line;
-#[cfg(unix)]
-mod ports;
 
 #[cfg(unix)]
 pub(crate) use exchange::machine_said;
-#[cfg(unix)]
-pub(crate) use line::SerialLine;
 
-use crate::status::{DONE, FAILED};
 use anyhow::{Context as _, Result};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Subcommand};
 use corehbot::connectors::BoardConnectors;
 use corehbot_boards as boards;
+use corehbot_host::status::{DONE, FAILED};
+use corehbot_machine_file::printable;
 use corehbot_machine_file::template::{self, Kind};
 use corehbot_machine_file::{self as machine_file, problems, schema};
-use corehbot_report::printable;
 use std::fs::OpenOptions;
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -1,9 +1,7 @@
 //! Examples in the help of every command, by the words that call it.
 
-use clap::Command;
-
 /// The words of each command, and what to type for frequent wishes.
-const EXAMPLES: [(&str, &[&str]); 39] = [
+pub(crate) const EXAMPLES: [(&str, &[&str]); 39] = [
     ("", &["corehbot run print.gcode --report print.html", "corehbot config from printer.cfg -o my-machine.toml"]),
     (
         "run",
@@ -60,49 +58,14 @@ const EXAMPLES: [(&str, &[&str]); 39] = [
     ("resonance sweep", &["corehbot resonance sweep --axis x --at 150,150 -o sweep-x.gcode"]),
 ];
 
-/// The lines of a command's examples.
-fn of(words: &str) -> Option<&'static [&'static str]> {
-    EXAMPLES.iter().find(|(known, _)| *known == words).map(|(_, lines)| *lines)
-}
-
-/// The command with examples in its help and in the help of all commands within it.
-pub(crate) fn with_examples(command: Command, words: &str) -> Command {
-    let within: Vec<_> = command.get_subcommands().map(|within| within.get_name().to_owned()).collect();
-    let command = within.iter().fold(command, |command, name| {
-        let words = if words.is_empty() { name.clone() } else { format!("{words} {name}") };
-        command.mut_subcommand(name, |within| with_examples(within, &words))
-    });
-    match of(words) {
-        Some(lines) => command.after_help(format!("Examples:\n  {}", lines.join("\n  "))),
-        None => command,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::cli::command;
-
-    fn all(command: &Command, words: &str, found: &mut Vec<String>) {
-        found.push(words.to_owned());
-        for within in command.get_subcommands().filter(|within| within.get_name() != "help") {
-            all(within, format!("{words} {}", within.get_name()).trim_start(), found);
-        }
-    }
+    use corehbot_host::examples::faults;
 
     #[test]
     fn every_command_has_examples_that_it_takes() {
-        let mut found = Vec::new();
-        all(&command(), "", &mut found);
-        for words in &found {
-            let lines = of(words).unwrap_or_else(|| panic!("`corehbot {words}` has no example"));
-            for line in lines {
-                assert!(line.starts_with(&format!("corehbot {words}")), "{line}");
-                let typed = line.split(" > ").next().unwrap_or_default();
-                let taken = command().try_get_matches_from(typed.split(' '));
-                assert!(taken.is_ok(), "{line}: {}", taken.unwrap_err());
-            }
-        }
-        assert_eq!(found.len(), EXAMPLES.len());
+        assert_eq!(faults(&command(), &EXAMPLES), Vec::<String>::new());
     }
 }

@@ -1,27 +1,27 @@
 //! `corehbot run`: prints a file as fast as it can be computed, and judges every step.
 
-use crate::bed_args::BedArgs;
 use crate::digest::RingSha256;
-use crate::heat_args::HeatArgs;
-use crate::input::{GcodeFile, Plate};
-use crate::output::Outputs;
-use crate::plant_args::PlantArgs;
-use crate::printer::Printer;
-use crate::say::note;
 use crate::sinks::{Done, Judges, Out, Relay, Scratch, Writers};
-use crate::status::{DONE, FAILED};
-use crate::stop::Stop;
-use crate::watched::Watched;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use corehbot::port::NoStorage;
 use corehbot::units::Mm;
+use corehbot_host::bed_args::BedArgs;
+use corehbot_host::heat_args::HeatArgs;
+use corehbot_host::input::{GcodeFile, Plate};
+use corehbot_host::output::Outputs;
+use corehbot_host::plant_args::PlantArgs;
+use corehbot_host::printer::Printer;
+use corehbot_host::progress::Watched;
+use corehbot_host::say::note;
+use corehbot_host::status::{DONE, FAILED};
+use corehbot_host::stop::Stop;
 use corehbot_machine_file::Machine;
+use corehbot_machine_file::printable;
 use corehbot_report::ended::Ended;
 use corehbot_report::moves::{Moves, StoredMoves};
 use corehbot_report::path::{Stored, ToolPath};
 use corehbot_report::print;
-use corehbot_report::printable;
 use corehbot_report::summary::{Names, Summary};
 use corehbot_rig::bed::BedPlant;
 use corehbot_sim::bed_plant::ProbeAccident;

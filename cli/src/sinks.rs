@@ -6,9 +6,9 @@
 //! memory is bounded. A panic on a thread goes on in the caller.
 
 use crate::digest::RingSha256;
-use crate::output::Stream;
 use anyhow::{Context as _, Result};
 use corehbot::motors::MotorSet;
+use corehbot_host::output::Stream;
 use corehbot_report::heat_log::HeatLog;
 use corehbot_report::moves::Moves;
 use corehbot_report::path::ToolPath;

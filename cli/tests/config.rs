@@ -393,7 +393,7 @@ fn the_tutorials_show_the_new_machine_as_it_is() {
     }
     let mut image = blank_block(&[&corehbot_boards::octopus::CONNECTORS]).to_vec();
     let mut machine = corehbot_machine_file::read(&path).unwrap();
-    let receipt = corehbot_cli::image::put(&mut image, &mut machine.settings).unwrap();
+    let receipt = corehbot_host::image::put(&mut image, &mut machine.settings).unwrap();
     let shown = format!("{} {receipt}\n", machine.name.unwrap());
     let document = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/tutorial/first-flash.md");
     let text = std::fs::read_to_string(&document).unwrap();

@@ -7,7 +7,7 @@ use crate::bootloader::{Bootloader, RESET};
 use crate::wiring::Wiring;
 use anyhow::{Context, Result, bail};
 use corehbot::settings::Settings;
-use corehbot_cli::image;
+use corehbot_host::image;
 use object::read::elf::ElfFile32;
 use object::{Object, ObjectSegment, ObjectSymbol};
 use rigless::image::Image;

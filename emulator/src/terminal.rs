@@ -12,8 +12,8 @@
 use crate::line::HostLine;
 use crate::tick::NS_PER_TICK;
 use anyhow::Result;
-use corehbot_cli::serve::{Hand, Pace, Port, Speed};
-use corehbot_cli::stop::Stop;
+use corehbot_host::serial::{Hand, Pace, Port, Speed};
+use corehbot_host::stop::Stop;
 use corehbot_sim::hand::Act;
 use std::time::{Duration, Instant};
 

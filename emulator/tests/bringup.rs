@@ -3,19 +3,19 @@
 
 use crate::common::{Bench, bench_of, plain_firmware, talk_on};
 use corehbot::motors::prototype;
-use corehbot_cli::serve::{Hand, Port, Speed};
-use corehbot_cli::stop::Stop;
 use corehbot_emulator::driver_line::DriverLines;
 use corehbot_emulator::eeprom::At24c32;
 use corehbot_emulator::run::Seen;
 use corehbot_emulator::terminal::Terminal;
 use corehbot_emulator::watch::End;
 use corehbot_emulator::wiring::OCTOPUS;
+use corehbot_host::serial::{Hand, Port, Speed};
+use corehbot_host::stop::Stop;
 use corehbot_machine_file as machine_file;
 use corehbot_sim::heat_plant::HeatSetup;
 use corehbot_sim::plugs::Plugs;
 use std::io::{BufRead as _, BufReader, Write as _};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::{Sender, channel};
@@ -23,6 +23,14 @@ use std::thread::{JoinHandle, spawn};
 
 /// A hotend so light that the tuning takes 40 s instead of three minutes.
 const HOTEND: &str = "[heaters.hotend]\nis_fitted = true\n[heaters.hotend.model]\ncapacity = 1\n";
+
+/// The command, which is an example of this crate and is built with its tests.
+fn command() -> PathBuf {
+    let program = std::env::current_exe().unwrap();
+    let command = program.parent().and_then(Path::parent).unwrap().join("examples/corehbot");
+    assert!(command.exists(), "{} is built with all tests of this crate", command.display());
+    command
+}
 
 /// The prototype, and a CoreXY with one screw: it has half as many motors to be looked at.
 const COREHBOT: &str = "name = \"first hour\"\nboard = \"octopus\"\n";
@@ -115,7 +123,7 @@ impl Printer {
 
     /// Leads through the guide. `owner` gets the key of each question, and a hand; its answer is a line.
     fn lead(&self, args: &[&str], mut owner: impl FnMut(&str, &dyn Fn(&str)) -> String) -> Led {
-        let mut guide = Command::new(env!("CARGO_BIN_EXE_corehbot"));
+        let mut guide = Command::new(command());
         guide.arg("bringup").arg(self.folder.join("printer")).arg("--report").arg(self.folder.join("r.md"));
         guide.args(["--patience", PATIENCE, "--machine"]).arg(self.folder.join("m.toml")).args(args);
         let mut guide = guide.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();

@@ -23,6 +23,7 @@
 //! | `reprap` | config.g of RepRapFirmware |
 //! | `peers` | keys of Klipper and Marlin, and ours |
 //! | `pattern` | patterns of names |
+//! | [`printable`] | texts of others that must not command a terminal |
 //! | `problems`, `unreached`, `unwise`, `place`, `error` | all that is wrong with a file, and where |
 //!
 //! `examples/machines/prototype.toml` shows every key. A file that names a `board` must use its connectors.
@@ -40,6 +41,7 @@ mod numbers;
 mod pattern;
 mod peers;
 mod place;
+pub mod printable;
 mod problems;
 mod reader;
 mod reference;

@@ -5,7 +5,6 @@
 //!
 //! | file | job |
 //! |---|---|
-//! | [`printable`] | texts of others that must not command a terminal |
 //! | [`summary`] | the result of a print, in words and as JSON |
 //! | [`ended`] | a print that is over: its summary from the parts of the simulator |
 //! | [`fault`] | why a print failed, and what to do |
@@ -41,7 +40,6 @@ pub mod moves;
 pub mod parts;
 pub mod path;
 pub mod print;
-pub mod printable;
 pub mod record;
 pub mod resonance;
 pub mod summary;

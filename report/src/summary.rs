@@ -3,10 +3,10 @@
 use crate::fault::Fault;
 use crate::mesh::MeshSummary;
 use crate::moves::StoredMoves;
-use crate::printable::line;
 use crate::sums::{Filament, LayerSum, LimitSum, OutsideSum, TypeSum, by_layer, by_limit, by_type};
 use corehbot::motors::{MOTORS, Motor, MotorName, MotorSet};
 use corehbot::units::TICKS_PER_SECOND;
+use corehbot_machine_file::printable::line;
 use corehbot_sim::belt::figures::BeltFigures;
 use corehbot_sim::check::Findings;
 use corehbot_sim::host::{Answer, FileHost};

@@ -4,7 +4,7 @@
 use crate::checkout::{self, root, run, target_dir};
 use crate::emulate;
 use anyhow::{Context as _, Result, ensure};
-use corehbot_cli::stop::Stop;
+use corehbot_host::stop::Stop;
 use std::fs;
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::path::PathBuf;

@@ -5,7 +5,7 @@
 use crate::checkout::{self, root, run};
 use crate::compare::check_file;
 use anyhow::Result;
-use corehbot_cli::stop::Stop;
+use corehbot_host::stop::Stop;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 

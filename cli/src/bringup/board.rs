@@ -2,8 +2,8 @@
 
 use super::owner::Owner;
 use super::trouble::Trouble;
-use crate::config::SerialLine;
-use corehbot_report::printable;
+use corehbot_host::serial::SerialLine;
+use corehbot_machine_file::printable;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 

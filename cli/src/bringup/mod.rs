@@ -49,14 +49,14 @@ mod tuning;
 mod ways;
 mod wiring;
 
-use crate::say::say;
-use crate::status::{DONE, FAILED};
-use crate::stop::Stop;
 use anyhow::{Context as _, Result};
 use board::Board;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use corehbot::settings::Settings;
+use corehbot_host::say::say;
+use corehbot_host::status::{DONE, FAILED};
+use corehbot_host::stop::Stop;
 use corehbot_machine_file as machine_file;
 use guide::{Failure, Found, Guide, STOPPED};
 use owner::Owner;

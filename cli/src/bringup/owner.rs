@@ -4,8 +4,8 @@
 //! Ctrl-C and a machine on its way can be looked after meanwhile.
 
 use super::trouble::Trouble;
-use crate::serve::println;
-use crate::stop::Stop;
+use corehbot_host::say::println;
+use corehbot_host::stop::Stop;
 use std::io::BufRead as _;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;

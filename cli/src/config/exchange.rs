@@ -1,14 +1,14 @@
 //! A machine to a board and back, over its serial line.
 
-use super::line::SerialLine;
-use crate::say::say;
-use crate::status::DONE;
 use anyhow::{Context as _, Result, bail, ensure};
 use clap::Args;
 use corehbot::settings::Settings;
 use corehbot::storage::{LONGEST, machine_in, record_of};
+use corehbot_host::say::say;
+use corehbot_host::serial::SerialLine;
+use corehbot_host::status::DONE;
 use corehbot_machine_file as machine_file;
-use corehbot_report::printable;
+use corehbot_machine_file::printable;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 

@@ -4,15 +4,15 @@
 mod ask;
 mod klipper;
 
-use crate::status::{DONE, FAILED};
 use anyhow::{Context as _, Result, ensure};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use corehbot::connectors::BoardConnectors;
+use corehbot_host::status::{DONE, FAILED};
 use corehbot_machine_file::file_kind::{FileKind, START, Wanted, WrongFile, text_of};
 use corehbot_machine_file::marlin::{self, Given, Kinematics};
+use corehbot_machine_file::printable;
 use corehbot_machine_file::{Translation, configuration_h, klipper as of_klipper, reprap};
-use corehbot_report::printable;
 use std::fmt::Write as _;
 use std::fs::File;
 use std::io::Read as _;

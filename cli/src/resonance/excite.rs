@@ -1,13 +1,13 @@
 //! `resonance sweep`: G-code that shakes an axis, for firmwares without a sweep.
 
 use super::{along, parse_axis, parse_range};
-use crate::output::Outputs;
-use crate::say::note;
-use crate::status::DONE;
-use crate::stop::Stop;
-use crate::values::number;
 use anyhow::{Context as _, Result, ensure};
 use clap::{Args, Subcommand};
+use corehbot_host::output::Outputs;
+use corehbot_host::say::note;
+use corehbot_host::status::DONE;
+use corehbot_host::stop::Stop;
+use corehbot_host::values::number;
 use corehbot_resonance::gcode::{direction, greatest_acceleration, lines, reach_mm};
 use corehbot_resonance::label;
 use corehbot_resonance::sweep::Sweep;

@@ -7,11 +7,11 @@ mod drives;
 mod excite;
 mod text;
 
-use crate::answer::Json;
-use crate::printer::Printer;
-use crate::values::number;
 use anyhow::{Context as _, Result, bail, ensure};
 use clap::Args;
+use corehbot_host::answer::Json;
+use corehbot_host::printer::Printer;
+use corehbot_host::values::number;
 use corehbot_machine_file::file_kind::{FileKind, START, Wanted, WrongFile};
 use corehbot_report::resonance as page;
 use corehbot_resonance::axis::{Axis, Measured, Named, Question, judge, measure, measure_density};

@@ -4,11 +4,11 @@
 //! no crate). Its name ends with a digest of the machine, so an edited machine file begins with an empty one: what was
 //! stored for the old machine would hide the edit.
 
-use crate::say::note;
 use anyhow::{Context as _, Result};
 use corehbot::settings::Settings;
 use corehbot::storage::{LONGEST, record_of};
-use corehbot_report::printable;
+use corehbot_host::say::note;
+use corehbot_machine_file::printable;
 use corehbot_sim::eeprom::Eeprom;
 use sha2::{Digest as _, Sha256};
 use std::env::var_os;

@@ -4,27 +4,25 @@
 //! step with the wall clock. After M112, M999 restarts on the same line. It ends with a signal, which is not a failure.
 
 mod echo;
-mod hand;
 mod keep;
-mod pace;
-mod port;
 mod screen;
-mod surroundings;
 mod wire;
 
-use crate::bed_args::BedArgs;
-use crate::heat_args::HeatArgs;
-use crate::output::{Outputs, STANDARD, Stream};
-use crate::plant_args::PlantArgs;
-use crate::printer::Printer;
-use crate::status::DONE;
-use crate::stop::Stop;
 use anyhow::{Context as _, Result, ensure};
 use clap::Args;
 use corehbot::motors::MotorSet;
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot::units::{Mm, TICKS_PER_SECOND};
+use corehbot_host::bed_args::BedArgs;
+use corehbot_host::heat_args::HeatArgs;
+use corehbot_host::output::{Outputs, STANDARD, Stream};
+use corehbot_host::plant_args::PlantArgs;
+use corehbot_host::printer::Printer;
+use corehbot_host::say::println;
+use corehbot_host::serial::{Hand, Pace, Port, Surroundings};
+use corehbot_host::status::DONE;
+use corehbot_host::stop::Stop;
 use corehbot_rig::bed::BedPlant;
 use corehbot_sim::bed_plant::ProbeAccident;
 use corehbot_sim::belt::BeltPlant;
@@ -36,15 +34,11 @@ use corehbot_sim::plugs::Plugs;
 use corehbot_sim::trace::TraceWriter;
 use corehbot_sim::world::{Desk, Outcome, Sink, World};
 use echo::Echo;
-pub use hand::Hand;
-pub use pace::{Pace, Speed};
-pub use port::Port;
 use screen::Screen;
 use std::fs::File;
-use std::io::{BufWriter, Write as _};
+use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-pub use surroundings::Surroundings;
 use wire::Delay;
 
 /// At full speed the port is polled no more often than this: a poll takes a microsecond, and so does a virtual
@@ -211,18 +205,6 @@ struct Later<'t> {
 impl Sink for Later<'_> {
     fn event(&mut self, tick: u64, steps: MotorSet, forward: MotorSet) {
         self.trace.event(self.ticks + tick, steps, forward);
-    }
-}
-
-/// Prints a line at once; a closed pipe is ignored.
-///
-/// # Errors
-/// If it cannot be written.
-pub fn println(line: std::fmt::Arguments<'_>) -> Result<()> {
-    let mut out = std::io::stdout();
-    match writeln!(out, "{line}").and_then(|()| out.flush()) {
-        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
-        written => written.context("cannot write to standard output"),
     }
 }
 

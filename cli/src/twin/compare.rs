@@ -1,17 +1,17 @@
 //! `twin compare`: three mechanisms side by side.
 
-use super::answer::Json;
 use super::play::{RunModel, played};
 use super::resonance::parse_grid;
 use super::setup::{ModelArg, has_room};
 use super::source::Source;
-use crate::input::Plate;
-use crate::printer::Printer;
-use crate::say::note;
-use crate::stop::Stop;
-use crate::watched::Progress;
 use anyhow::{Context as _, Result};
 use clap::Args;
+use corehbot_host::answer::Json;
+use corehbot_host::input::Plate;
+use corehbot_host::printer::Printer;
+use corehbot_host::progress::Progress;
+use corehbot_host::say::note;
+use corehbot_host::stop::Stop;
 use corehbot_report::twin::{COMPARE, fill};
 use corehbot_twin::geometry::workspace;
 use corehbot_twin::params::Params;

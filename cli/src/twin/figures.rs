@@ -1,8 +1,8 @@
 //! `twin figures`: the schematics, table 1 and the numbers of the CoreH-bot paper, as drawings and a page.
 
-use super::answer::Json;
 use anyhow::{Context as _, Result, ensure};
 use clap::Args;
+use corehbot_host::answer::Json;
 use corehbot_report::figures::{Figure, figures};
 use corehbot_twin::queries::paper::Paper;
 use std::io::Write as _;

@@ -14,14 +14,14 @@
 //! filament alone are left out, because the effect of a retraction in a nozzle does not depend on its lag. So neither
 //! run comes to rest before its end, and their times are the same except for the delay of all axes.
 
-use super::answer::Json;
-use crate::input::{self, Plate};
 use anyhow::{Context as _, Result, ensure};
 use clap::Args;
 use corehbot::motion::{Tap, advance_window, taps};
 use corehbot::motors::{MotorSet, prototype};
 use corehbot::settings::{Range, Settings, Shaper, ShaperKind, ranges};
 use corehbot::units::{Hertz, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm, TICKS_PER_SECOND};
+use corehbot_host::answer::Json;
+use corehbot_host::input::{self, Plate};
 use corehbot_sim::file_line::{command_of, words};
 use corehbot_sim::host::FileHost;
 use corehbot_sim::world::{self, Sink};

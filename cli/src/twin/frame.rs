@@ -1,10 +1,10 @@
 //! `twin frame`: the motors' torque on the frame, and a frame that is not rigid.
 
-use super::answer::Json;
 use super::drawn;
 use super::setup::{FileArgs, SetupArgs};
 use anyhow::Result;
 use clap::Args;
+use corehbot_host::answer::Json;
 use corehbot_report::frame::picture;
 use corehbot_twin::queries::soft_frame::SoftFrame;
 use std::path::PathBuf;

@@ -1,10 +1,10 @@
 //! `twin jump`: the ringing after a jump of speed.
 
-use super::answer::Json;
 use super::play::RunModel;
 use super::setup::{FileArgs, PlaceArgs, parse_pair};
 use anyhow::Result;
 use clap::Args;
+use corehbot_host::answer::Json;
 use corehbot_twin::run::jump;
 
 /// `twin jump`.

@@ -1,10 +1,10 @@
 //! `twin level`: racking and levelling of a CoreXYZ by its belts.
 
-use super::answer::Json;
 use super::drawn;
 use super::setup::{FileArgs, MachineArgs, parse_pair, parse_positive};
 use anyhow::{Result, ensure};
 use clap::Args;
+use corehbot_host::answer::Json;
 use corehbot_report::corexyz;
 use corehbot_twin::geometry::workspace;
 use corehbot_twin::queries::level::{Ask, Level as Answer};

@@ -3,8 +3,8 @@
 //! A number without an uncertainty of its own has the usual one of its kind (`Figure::usual_uncertainty`).
 
 use super::setup::syntax;
-use crate::input;
 use anyhow::{Context as _, Result, bail, ensure};
+use corehbot_host::input;
 use corehbot_machine_file::file_kind::Wanted;
 use corehbot_twin::calibration::{Direction, Figure, Measurement, Parameter, Weighed};
 use corehbot_twin::geometry::Workspace;

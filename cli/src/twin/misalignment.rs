@@ -1,9 +1,9 @@
 //! `twin misalignment`: pulleys that are not where they should be.
 
-use super::answer::Json;
 use super::setup::{FileArgs, SetupArgs, parse_pair};
 use anyhow::{Context as _, Result, ensure};
 use clap::Args;
+use corehbot_host::answer::Json;
 use corehbot_report::misalignment::picture;
 use corehbot_twin::queries::misalignment::{Misalignment as Answer, Offset};
 use std::io::Write as _;

@@ -28,10 +28,9 @@ mod tension;
 mod yin;
 mod zigzag;
 
-use crate::answer;
-use crate::output::Outputs;
 use anyhow::{Context as _, Result};
 use clap::Subcommand;
+use corehbot_host::output::Outputs;
 use std::io::Write as _;
 use std::path::Path;
 

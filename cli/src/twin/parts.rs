@@ -1,17 +1,17 @@
 //! `twin parts`: errors of reference parts' dimensions, by machine and by speed.
 
-use super::answer::Json;
 use super::drawn;
 use super::play::{RunModel, played};
 use super::setup::{FileArgs, MachineArg, MachineArgs, has_room, parse_pair};
 use super::source::steps_of;
-use crate::say::note;
-use crate::stop::Stop;
-use crate::watched::progress_bar;
 use anyhow::{Result, ensure};
 use clap::Args;
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
+use corehbot_host::answer::Json;
+use corehbot_host::progress::progress_bar;
+use corehbot_host::say::note;
+use corehbot_host::stop::Stop;
 use corehbot_report::parts::picture;
 use corehbot_twin::geometry::workspace;
 use corehbot_twin::params::Params;

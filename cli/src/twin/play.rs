@@ -1,15 +1,15 @@
 //! `twin run`: steps are played on the machine.
 
-use super::answer::Json;
 use super::setup::{MachineArgs, parse_pair};
 use super::source::Source;
-use crate::input::Plate;
-use crate::printer::Printer;
-use crate::say::note;
-use crate::stop::Stop;
-use crate::watched::Progress;
 use anyhow::{Context as _, Result};
 use clap::{Args, ValueEnum};
+use corehbot_host::answer::Json;
+use corehbot_host::input::Plate;
+use corehbot_host::printer::Printer;
+use corehbot_host::progress::Progress;
+use corehbot_host::say::note;
+use corehbot_host::stop::Stop;
 use corehbot_report::twin as page;
 use corehbot_twin::dynamics::plant::Detail;
 use corehbot_twin::geometry::workspace;

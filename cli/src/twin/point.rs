@@ -1,9 +1,9 @@
 //! Questions about one place of the tool.
 
-use super::answer::Json;
 use super::setup::{FileArgs, SetupArgs, parse_finite, parse_pair};
 use anyhow::Result;
 use clap::Args;
+use corehbot_host::answer::Json;
 use corehbot_twin::queries::{geometry, modes, push, slip, stiffness};
 
 /// Greatest force, in N: a hundred times the holding force of a motor.

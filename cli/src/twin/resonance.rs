@@ -1,10 +1,10 @@
 //! `twin resonance`: frequencies over the reach.
 
-use super::answer::Json;
 use super::setup::{FileArgs, MachineArgs, ModelArg};
-use crate::values::number;
 use anyhow::Result;
 use clap::Args;
+use corehbot_host::answer::Json;
+use corehbot_host::values::number;
 use corehbot_report::twin as page;
 use corehbot_twin::geometry::workspace;
 use corehbot_twin::queries::Setup;

@@ -1,8 +1,8 @@
 //! Setup: which machine is asked about, and where its tool is.
 
-use crate::printer::Printer;
 use anyhow::{Result, anyhow, bail, ensure};
 use clap::{Args, ValueEnum};
+use corehbot_host::printer::Printer;
 use corehbot_machine_file::Machine as File;
 use corehbot_sim::belt::layout::Layout;
 use corehbot_twin::geometry::workspace;

@@ -1,9 +1,9 @@
 //! `twin shaper`: the rating of a given shaper.
 
-use super::answer::Json;
-use crate::values::number;
 use anyhow::{Result, ensure};
 use clap::{Args, ValueEnum};
+use corehbot_host::answer::Json;
+use corehbot_host::values::number;
 use corehbot_twin::queries::shaper::Rating;
 use corehbot_twin::shaping::shaper::Kind;
 

@@ -1,14 +1,14 @@
 //! Source: the steps of a file, which is a trace, or G-code that goes through the firmware first.
 
-use crate::input::{GcodeFile, Plate};
-use crate::output::STANDARD;
-use crate::printer::Printer;
-use crate::stop::Stop;
-use crate::watched::Watched;
 use anyhow::{Context as _, Result, bail, ensure};
 use corehbot::motors::{Motor, MotorName, MotorSet};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
+use corehbot_host::input::{GcodeFile, Plate};
+use corehbot_host::output::STANDARD;
+use corehbot_host::printer::Printer;
+use corehbot_host::progress::Watched;
+use corehbot_host::stop::Stop;
 use corehbot_sim::host::FileHost;
 use corehbot_sim::moves::{MadeMove, ShaperChange};
 use corehbot_sim::world::{self, Sink};

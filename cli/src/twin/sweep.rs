@@ -1,15 +1,15 @@
 //! `twin sweep`: numbers of the machine are varied, as a study says, or one of them by a word.
 
-use super::answer::Json;
 use super::play::RunModel;
 use super::setup::{SetupArgs, parse_pair};
 use super::study::{Options, Played, Query, Sample, Study, compute, varied};
-use crate::input::Plate;
-use crate::printer::Printer;
-use crate::say::note;
-use crate::stop::Stop;
 use anyhow::{Result, anyhow};
 use clap::Args;
+use corehbot_host::answer::Json;
+use corehbot_host::input::Plate;
+use corehbot_host::printer::Printer;
+use corehbot_host::say::note;
+use corehbot_host::stop::Stop;
 use corehbot_twin::routing::Place;
 use corehbot_twin::sampling::levels;
 use serde::Serialize;

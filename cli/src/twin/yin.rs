@@ -1,11 +1,11 @@
 //! `twin yin`: the corners of Yin et al.'s square, their figures, and their equation 9.
 
-use super::answer::Json;
 use super::drawn;
 use super::setup::syntax;
-use crate::input;
 use anyhow::{Result, anyhow, ensure};
 use clap::{Args, ValueEnum};
+use corehbot_host::answer::Json;
+use corehbot_host::input;
 use corehbot_machine_file::file_kind::Wanted;
 use corehbot_report::yin::{figure_3, figure_4, figure_5};
 use corehbot_twin::yin::figure::{Figure3, Figure4, Figure5};

@@ -1,10 +1,10 @@
 //! `twin zigzag`: the tool's path at step resolution, by the order of the motors' steps.
 
-use super::answer::Json;
 use super::drawn;
 use super::setup::{FileArgs, MachineArgs, parse_positive};
 use anyhow::{Result, ensure};
 use clap::{Args, ValueEnum};
+use corehbot_host::answer::Json;
 use corehbot_report::corexyz;
 use corehbot_twin::params::Params;
 use corehbot_twin::queries::zigzag::{Ask, MACHINES, Zigzag as Answer};

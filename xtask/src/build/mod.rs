@@ -11,7 +11,7 @@ use crate::checkout;
 use anyhow::{Context as _, Result, bail, ensure};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use corehbot_boards::{Entry, PACKAGES, Package, entries};
-use corehbot_cli::image::set_board;
+use corehbot_host::image::set_board;
 use object::Endianness;
 use object::elf::FileHeader32;
 use object::read::elf::ElfFile;

@@ -7,6 +7,7 @@ use crate::checkout::{self, cargo, command_output, run};
 use crate::page;
 use anyhow::{Context as _, Result, ensure};
 use std::path::Path;
+use std::process::Command;
 
 /// The profile of the command: like `release`, without the data for debuggers.
 const PROFILE: &str = "dist";
@@ -21,7 +22,7 @@ pub(super) fn contents() -> Result<Vec<File>> {
     let command = command()?;
     let name = command.file_name().context("the command has no name")?.to_string_lossy().into_owned();
     files.push(File { path: name, bytes: read(&command)?, is_program: true });
-    files.extend(super::manual::files()?);
+    files.extend(manual()?);
     for board in Board::all() {
         let bytes = read(&build::image(board)?.binary)?;
         files.push(File { path: format!("images/{}.bin", board.key()), bytes, is_program: false });
@@ -56,6 +57,30 @@ fn command() -> Result<std::path::PathBuf> {
     run(build)?;
     let folder = checkout::target_dir()?.join(host).join(PROFILE);
     Ok(folder.join("corehbot").with_extension(std::env::consts::EXE_EXTENSION))
+}
+
+/// The folders that the manual consists of.
+const MANUAL: [&str; 2] = ["completions", "man"];
+
+/// Manual pages, and what shells complete. Their program is built with the dependencies that xtask has already.
+fn manual() -> Result<Vec<File>> {
+    run(cargo(["build", "--package", "corehbot-manual", "--package", "xtask"]))?;
+    let target = checkout::target_dir()?;
+    let folder = target.join("manual");
+    // A command that is no longer there leaves no page.
+    let _ = std::fs::remove_dir_all(&folder);
+    let mut write = Command::new(target.join("debug/corehbot-manual").with_extension(std::env::consts::EXE_EXTENSION));
+    write.arg(&folder);
+    run(write)?;
+    let mut files = Vec::new();
+    for part in MANUAL {
+        for entry in std::fs::read_dir(folder.join(part)).context("there is no manual")? {
+            let path = entry?.path();
+            let name = path.file_name().context("a page has no name")?.to_string_lossy();
+            files.push(File { path: format!("{part}/{name}"), bytes: read(&path)?, is_program: false });
+        }
+    }
+    Ok(files)
 }
 
 /// A binary must not contain its build folder: it would differ elsewhere.

@@ -7,7 +7,6 @@
 
 mod archive;
 mod contents;
-mod manual;
 
 use crate::checkout::{self, cargo, command_output, run};
 use anyhow::{Context as _, Result, ensure};

@@ -2,8 +2,8 @@
 
 use super::line::END_OF_TRANSMISSION;
 use anyhow::{Context as _, Result, bail};
-use corehbot_cli::serve::Port;
-use corehbot_cli::stop::Stop;
+use corehbot_host::serial::Port;
+use corehbot_host::stop::Stop;
 use std::io::{ErrorKind, Read as _, Write as _};
 use std::net::TcpStream;
 use std::os::fd::AsFd as _;

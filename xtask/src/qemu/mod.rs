@@ -19,9 +19,9 @@ use crate::checkout;
 use anyhow::Result;
 use corehbot::settings::Settings;
 use corehbot::units::{Mm, TICKS_PER_SECOND};
-use corehbot_cli::input::{self, Plate};
+use corehbot_host::input::{self, Plate};
 use corehbot_machine_file as machine_file;
-use corehbot_report::printable;
+use corehbot_machine_file::printable;
 use std::path::{Path, PathBuf};
 
 /// The package of the board.
@@ -80,9 +80,9 @@ pub fn main(args: &Args) -> Result<()> {
 /// Lets hosts at a pseudo-terminal talk to the board until a signal comes.
 #[cfg(unix)]
 fn serve(job: &Job, image: &Path, args: &Args) -> Result<Outcome> {
-    let stop = corehbot_cli::stop::Stop::at_signals()?;
-    let mut port = corehbot_cli::serve::Port::open(args.pty.as_deref())?;
-    corehbot_cli::serve::println(format_args!("{}", port.path().display()))?;
+    let stop = corehbot_host::stop::Stop::at_signals()?;
+    let mut port = corehbot_host::serial::Port::open(args.pty.as_deref())?;
+    corehbot_host::say::println(format_args!("{}", port.path().display()))?;
     job.talk(image, args.trace.as_deref(), |stream| bridge::talk(stream, &mut port, &stop))
 }
 

@@ -3,10 +3,10 @@
 //! A board with a serial chip resets when its line is opened, and a bootloader listens first. So it may start before it
 //! is asked, and it is asked again. M115, M503, M211, M119 and M122 change nothing.
 
-use super::super::line::SerialLine;
-use crate::say::note;
 use anyhow::{Result, bail};
 use clap::Args;
+use corehbot_host::say::note;
+use corehbot_host::serial::SerialLine;
 use corehbot_machine_file::marlin::{Firmware, is_report};
 use corehbot_machine_file::short::short;
 use std::path::{Path, PathBuf};

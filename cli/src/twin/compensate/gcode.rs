@@ -6,13 +6,13 @@
 //! (`motor_max_acceleration` of the machine). The durations of the chords already contain the file's own limits.
 
 use super::sections::{Kind, Line, Modes, Section, is_kept, is_origin, sections};
-use crate::printer::Printer;
-use crate::stop::Stop;
 use crate::twin::source::Log;
-use crate::watched::Watched;
 use anyhow::{Context as _, Result, bail, ensure};
 use corehbot::motors::{MOTORS, MotorSet};
 use corehbot::settings::{CornerRule, Settings, ShaperKind};
+use corehbot_host::printer::Printer;
+use corehbot_host::progress::Watched;
+use corehbot_host::stop::Stop;
 use corehbot_sim::host::FileHost;
 use corehbot_sim::moves::{MadeMove, ShaperChange};
 use corehbot_sim::trace::Header;

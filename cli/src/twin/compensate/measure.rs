@@ -1,9 +1,9 @@
 //! Measures the remaining error on the machine with rotors, and the part of it that the machine does not cause.
 
-use crate::stop::Stop;
 use crate::twin::play::{RunModel, played};
-use crate::watched::Progress;
 use anyhow::{Result, bail};
+use corehbot_host::progress::Progress;
+use corehbot_host::stop::Stop;
 use corehbot_twin::params::Params;
 use corehbot_twin::routing::{Machine, Place};
 use corehbot_twin::steps::StepTrace;

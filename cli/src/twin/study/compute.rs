@@ -3,9 +3,9 @@
 use super::journal::Journal;
 use super::line;
 use super::plan::{Sample, Study};
-use crate::stop::Stop;
-use crate::watched::progress_bar;
 use anyhow::{Context as _, Result};
+use corehbot_host::progress::progress_bar;
+use corehbot_host::stop::Stop;
 use rayon::ThreadPoolBuilder;
 use rayon::iter::{IntoParallelIterator as _, ParallelIterator as _};
 use std::sync::{Mutex, PoisonError};

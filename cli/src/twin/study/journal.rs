@@ -7,8 +7,8 @@
 
 use super::line;
 use super::plan::{Sample, Study};
-use crate::say::note;
 use anyhow::{Context as _, Result, bail};
+use corehbot_host::say::note;
 use std::ffi::OsString;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{Read as _, Seek as _, SeekFrom, Write as _};

@@ -35,13 +35,13 @@ pub(super) use plan::{Sample, Study, varied};
 pub(super) use played::Played;
 pub(super) use query::Query;
 
-use super::answer::{Json, say};
-use crate::output::{Outputs, STANDARD};
-use crate::say::note;
-use crate::status::{DONE, FAILED};
-use crate::stop::Stop;
 use anyhow::{Result, bail, ensure};
 use clap::Args;
+use corehbot_host::answer::{Json, say};
+use corehbot_host::output::{Outputs, STANDARD};
+use corehbot_host::say::note;
+use corehbot_host::status::{DONE, FAILED};
+use corehbot_host::stop::Stop;
 use journal::Journal;
 use results::{Results, Wanted};
 use std::path::{Path, PathBuf};

@@ -1,8 +1,8 @@
 //! Plan: a study as it is computed, every sample a pure function of it and of the sample's number.
 
 use super::query::{Places, Query};
-use crate::stop::Stop;
 use anyhow::Result;
+use corehbot_host::stop::Stop;
 use corehbot_twin::geometry::workspace;
 use corehbot_twin::params::{Params, ParamsError, ROWS, Row};
 use corehbot_twin::queries::Setup;

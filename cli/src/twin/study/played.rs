@@ -3,11 +3,11 @@
 //! G-code goes through the firmware, which takes its time; the first line of a journal and the table of finished
 //! samples do not wait for it.
 
-use crate::input::Plate;
-use crate::printer::Printer;
-use crate::stop::Stop;
 use crate::twin::source::Source;
 use anyhow::Result;
+use corehbot_host::input::Plate;
+use corehbot_host::printer::Printer;
+use corehbot_host::stop::Stop;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 

@@ -2,8 +2,8 @@
 
 use super::figure::{Figure, LIMITS, MODES, PUSH, RESONANCE, RUN, STIFFNESS};
 use super::played::Played;
-use crate::stop::Stop;
 use crate::twin::play::{RunModel, played};
+use corehbot_host::stop::Stop;
 use corehbot_twin::geometry::workspace;
 use corehbot_twin::model::elastic::Freedom;
 use corehbot_twin::params::Params;

@@ -5,10 +5,10 @@ use super::page;
 use super::plan::{Sample, Study};
 use super::summary::Summary;
 use super::table;
-use crate::output::{Outputs, Stream};
-use crate::stop::Stop;
-use crate::twin::answer::{Json, say};
 use anyhow::{Context as _, Result, ensure};
+use corehbot_host::answer::{Json, say};
+use corehbot_host::output::{Outputs, Stream};
+use corehbot_host::stop::Stop;
 use std::io::BufWriter;
 use std::path::Path;
 

@@ -16,7 +16,7 @@ const PLACES: [(&str, &str); 6] = [
 ];
 
 /// Why a serial line cannot be used, and the cure.
-pub(super) fn cannot_open(path: &Path, error: Errno) -> anyhow::Error {
+pub fn cannot_open(path: &Path, error: Errno) -> anyhow::Error {
     let why = match error {
         Errno::NOENT => format!("there is no such port; {}", there_are()),
         Errno::ACCESS | Errno::PERM => {

@@ -22,7 +22,7 @@ pub enum Speed {
 }
 
 /// Reads a speed.
-pub(super) fn parse(text: &str) -> Result<Speed, String> {
+pub fn parse(text: &str) -> Result<Speed, String> {
     match text.parse::<f64>() {
         _ if text == "max" => Ok(Speed::Max),
         Ok(times) if (0.01..=1000.0).contains(&times) => Ok(Speed::Times(times)),

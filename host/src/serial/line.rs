@@ -16,7 +16,7 @@ use std::time::{Duration, Instant};
 const SILENCE: Duration = Duration::from_secs(8);
 
 /// A line to a board.
-pub(crate) struct SerialLine {
+pub struct SerialLine {
     line: OwnedFd,
     path: PathBuf,
     baud: u32,

@@ -17,7 +17,7 @@ const NO_STORAGE: &str = "none";
 
 /// The printer that commands have in common.
 #[derive(Clone, Args)]
-pub(crate) struct Printer {
+pub struct Printer {
     /// The machine; without it, the CoreH-bot prototype.
     #[arg(long = "machine", alias = "settings", value_name = "M.toml")]
     machine_file: Option<PathBuf>,
@@ -32,22 +32,22 @@ pub(crate) struct Printer {
 
 impl Printer {
     /// One that keeps nothing.
-    pub(crate) const fn new(machine_file: Option<PathBuf>, assume_homed: Option<[Mm; 3]>) -> Self {
+    pub const fn new(machine_file: Option<PathBuf>, assume_homed: Option<[Mm; 3]>) -> Self {
         Self { machine_file, storage: None, assume_homed }
     }
 
     /// The machine.
-    pub(crate) fn machine(&self) -> Result<Machine> {
+    pub fn machine(&self) -> Result<Machine> {
         read_machine(self.machine_file.as_deref())
     }
 
     /// The files that define it.
-    pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
         [self.machine_file.as_deref(), self.image()].into_iter().flatten()
     }
 
     /// The storage for its settings.
-    pub(crate) fn eeprom(&self) -> Result<Option<Eeprom>> {
+    pub fn eeprom(&self) -> Result<Option<Eeprom>> {
         let open = |path: &Path| {
             // A new one is made where there is none.
             if path.exists() {
@@ -59,7 +59,7 @@ impl Printer {
     }
 
     /// Whether the command line says where its settings are kept, or that they are not.
-    pub(crate) const fn says_storage(&self) -> bool {
+    pub const fn says_storage(&self) -> bool {
         self.storage.is_some()
     }
 

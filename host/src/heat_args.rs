@@ -25,7 +25,7 @@ pub struct HeatArgs {
 
 impl HeatArgs {
     /// The file that it reads.
-    pub(crate) fn file(&self) -> Option<&Path> {
+    pub fn file(&self) -> Option<&Path> {
         self.plant_heat.as_deref()
     }
 

@@ -20,7 +20,7 @@ impl BedArgs {
     ///
     /// # Errors
     /// No such bed, or no probe that could find it.
-    pub(crate) fn plant(&self, settings: &Settings) -> Result<Option<Box<BedPlant>>> {
+    pub fn plant(&self, settings: &Settings) -> Result<Option<Box<BedPlant>>> {
         Ok(self.bed.as_deref().map(|text| asked::bed(text, settings)).transpose()?)
     }
 }

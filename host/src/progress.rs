@@ -10,7 +10,7 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 /// A bar on a terminal, and no bar elsewhere.
-pub(crate) fn progress_bar(length: u64, of: &'static str) -> ProgressBar {
+pub fn progress_bar(length: u64, of: &'static str) -> ProgressBar {
     if !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
@@ -23,7 +23,7 @@ pub(crate) fn progress_bar(length: u64, of: &'static str) -> ProgressBar {
 
 /// Progress of pieces of work of known weights, which may go on at the same time: a bar on a terminal. Elsewhere a line
 /// says how long it takes, once this is known and worth a line.
-pub(crate) struct Progress {
+pub struct Progress {
     bar: ProgressBar,
     state: Mutex<State>,
 }
@@ -48,14 +48,14 @@ const WORTH: Duration = Duration::from_secs(20);
 
 impl Progress {
     /// Pieces of these weights.
-    pub(crate) fn new(weights: impl IntoIterator<Item = f64>) -> Self {
+    pub fn new(weights: impl IntoIterator<Item = f64>) -> Self {
         let pieces = weights.into_iter().map(|weight| (weight, 0.0)).collect();
         let bar = progress_bar(PARTS as u64, "thousandths");
         Self { bar, state: Mutex::new(State { pieces, begin: None, is_told: false }) }
     }
 
     /// A part, of 1, of a piece is done.
-    pub(crate) fn set(&self, piece: usize, part: f64) {
+    pub fn set(&self, piece: usize, part: f64) {
         let Ok(mut state) = self.state.lock() else { return };
         if let Some((_, done)) = state.pieces.get_mut(piece) {
             *done = part;
@@ -73,13 +73,13 @@ impl Progress {
     }
 
     /// The done part of all pieces, of 1.
-    #[cfg(test)]
-    pub(crate) fn done(&self) -> f64 {
-        self.state.lock().unwrap().done()
+    #[must_use]
+    pub fn done(&self) -> f64 {
+        self.state.lock().map_or(0.0, |state| state.done())
     }
 
     /// Does a piece. `work` gets a function that takes the done part, of 1, and returns whether to continue.
-    pub(crate) fn piece<T, E>(
+    pub fn piece<T, E>(
         &self,
         piece: usize,
         stop: &Stop,
@@ -115,7 +115,7 @@ impl Drop for Progress {
 }
 
 /// A host that shows its progress, and that can be stopped.
-pub(crate) struct Watched<'s> {
+pub struct Watched<'s> {
     host: FileHost,
     bar: ProgressBar,
     stop: &'s Stop,
@@ -123,13 +123,13 @@ pub(crate) struct Watched<'s> {
 
 impl<'s> Watched<'s> {
     /// With a bar, if there is a terminal.
-    pub(crate) fn new(host: FileHost, stop: &'s Stop) -> Self {
+    pub fn new(host: FileHost, stop: &'s Stop) -> Self {
         let bar = progress_bar(host.commands(), "commands");
         Self { host, bar, stop }
     }
 
     /// Takes the bar away.
-    pub(crate) fn finish(self) -> FileHost {
+    pub fn finish(self) -> FileHost {
         self.bar.finish_and_clear();
         self.host
     }

@@ -9,7 +9,7 @@ use anyhow::{Context as _, Result, bail, ensure};
 use clap::Args;
 use corehbot_gcode_file::{GcodeFileError, Unpacked, unpack};
 use corehbot_machine_file::file_kind::{self, FileKind, START, Wanted, WrongFile};
-use corehbot_report::printable;
+use corehbot_machine_file::printable;
 use corehbot_sim::lines::{Lines, Survey, survey};
 use corehbot_sim::not_gcode::check_line;
 use std::fs::File;

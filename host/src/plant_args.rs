@@ -58,7 +58,7 @@ impl PlantArgs {
     ///
     /// # Errors
     /// No such accident, or no belts do what the machine's motors do.
-    pub(crate) fn belt(&self, machine: &Machine, homed: Option<[Mm; 3]>) -> Result<Option<Box<BeltPlant>>> {
+    pub fn belt(&self, machine: &Machine, homed: Option<[Mm; 3]>) -> Result<Option<Box<BeltPlant>>> {
         Ok(self.belts().map(|belts| belts.plant(machine, homed)).transpose()?)
     }
 }

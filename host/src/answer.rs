@@ -5,7 +5,7 @@ use crate::status::DONE;
 use crate::stop::Stop;
 use anyhow::{Context as _, Result};
 use clap::Args;
-use corehbot_report::printable;
+use corehbot_machine_file::printable;
 use serde::Serialize;
 use std::fmt::Display;
 use std::io::{BufWriter, ErrorKind, Write};
@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 /// Where the figures go.
 #[derive(Args, Default)]
-pub(crate) struct Json {
+pub struct Json {
     /// Writes the figures as JSON; `-` is standard output, and the table goes to standard error then.
     #[arg(long, value_name = "F.json")]
     json: Option<PathBuf>,
@@ -24,7 +24,7 @@ impl Json {
     ///
     /// # Errors
     /// One cannot be written, or is an input or another output.
-    pub(crate) fn check<'p>(
+    pub fn check<'p>(
         &'p self,
         inputs: impl IntoIterator<Item = &'p Path>,
         others: impl IntoIterator<Item = &'p PathBuf>,
@@ -37,7 +37,7 @@ impl Json {
     ///
     /// # Errors
     /// An output cannot be written.
-    pub(crate) fn give<'p>(
+    pub fn give<'p>(
         &self,
         answer: &(impl Serialize + Display),
         inputs: impl IntoIterator<Item = &'p Path>,
@@ -49,7 +49,7 @@ impl Json {
     ///
     /// # Errors
     /// An output cannot be written.
-    pub(crate) fn give_with<'p>(
+    pub fn give_with<'p>(
         &self,
         answer: &(impl Serialize + Display),
         inputs: impl IntoIterator<Item = &'p Path>,
@@ -69,7 +69,7 @@ impl Json {
     ///
     /// # Errors
     /// It cannot be written, or is an input or another output.
-    pub(crate) fn open(&self, outputs: &mut Outputs) -> Result<Option<BufWriter<Stream>>> {
+    pub fn open(&self, outputs: &mut Outputs) -> Result<Option<BufWriter<Stream>>> {
         self.json.as_deref().map(|path| outputs.open(path)).transpose()
     }
 
@@ -77,14 +77,14 @@ impl Json {
     ///
     /// # Errors
     /// The error from `out`.
-    pub(crate) fn write(out: &mut impl Write, answer: &impl Serialize) -> Result<()> {
+    pub fn write(out: &mut impl Write, answer: &impl Serialize) -> Result<()> {
         let text = serde_json::to_string_pretty(answer)?;
         writeln!(out, "{text}").and_then(|()| out.flush()).context("cannot write the JSON")
     }
 }
 
 /// Prints a text for people, where there is no output of another kind.
-pub(crate) fn say(text: &str, is_standard_taken: bool) -> Result<()> {
+pub fn say(text: &str, is_standard_taken: bool) -> Result<()> {
     let text = printable::lines(text);
     let written = if is_standard_taken {
         std::io::stderr().write_all(text.as_bytes())

@@ -16,3 +16,15 @@ pub fn say(line: impl Display) -> Result<()> {
 pub fn note(line: impl Display) {
     let _ = writeln!(io::stderr().lock(), "{line}");
 }
+
+/// Prints a line at once; a closed pipe is ignored.
+///
+/// # Errors
+/// If it cannot be written.
+pub fn println(line: std::fmt::Arguments<'_>) -> Result<()> {
+    let mut out = io::stdout();
+    match writeln!(out, "{line}").and_then(|()| out.flush()) {
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        written => written.context("cannot write to standard output"),
+    }
+}

@@ -1,11 +1,15 @@
-//! Manual pages of the command, and what shells complete: both from its command line.
+//! `corehbot-manual FOLDER` writes manual pages of the command, and what shells complete: both from its command line.
+//!
+//! `cargo xtask dist` runs it. It is a program of its own, so that `cargo xtask` does not build the command.
+#![forbid(unsafe_code)]
 
-use super::archive::File;
-use anyhow::Result;
+use anyhow::{Context as _, Result};
 use clap::Command;
 use clap_complete::{Shell, generate};
 use clap_mangen::Man;
 use corehbot_cli::cli;
+use std::fs;
+use std::path::PathBuf;
 
 /// Shells, and the name of the file that each of them looks for.
 const SHELLS: [(Shell, &str); 4] = [
@@ -15,14 +19,31 @@ const SHELLS: [(Shell, &str); 4] = [
     (Shell::PowerShell, "corehbot.ps1"),
 ];
 
+/// A file, and its path in the folder, with slashes.
+struct File {
+    path: String,
+    bytes: Vec<u8>,
+}
+
+fn main() -> Result<()> {
+    let folder = PathBuf::from(std::env::args_os().nth(1).context("give a folder")?);
+    for File { path, bytes } in files()? {
+        let path = folder.join(path);
+        let cannot = || format!("cannot write {}", path.display());
+        fs::create_dir_all(path.parent().unwrap_or(&folder)).with_context(cannot)?;
+        fs::write(&path, bytes).with_context(cannot)?;
+    }
+    Ok(())
+}
+
 /// `man/*.1` and `completions/*`.
-pub(super) fn files() -> Result<Vec<File>> {
+fn files() -> Result<Vec<File>> {
     let mut command = cli::command();
     let mut files = Vec::new();
     for (shell, name) in SHELLS {
         let mut bytes = Vec::new();
         generate(shell, &mut command, "corehbot", &mut bytes);
-        files.push(File { path: format!("completions/{name}"), bytes, is_program: false });
+        files.push(File { path: format!("completions/{name}"), bytes });
     }
     command.build();
     pages(&command, "corehbot", &mut files)?;
@@ -34,7 +55,7 @@ fn pages(command: &Command, name: &str, files: &mut Vec<File>) -> Result<()> {
     let mut bytes = Vec::new();
     // The same bytes from the same commit: a page has no date.
     Man::new(command.clone()).title(name).date("").render(&mut bytes)?;
-    files.push(File { path: format!("man/{name}.1"), bytes, is_program: false });
+    files.push(File { path: format!("man/{name}.1"), bytes });
     let within = command.get_subcommands().filter(|within| within.get_name() != "help");
     within
         .map(|within| (within, format!("{name}-{}", within.get_name())))
