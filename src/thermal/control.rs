@@ -1,6 +1,7 @@
-//! ThermalControl: the handle of the thermal context. `self_testing` has its part of the self-test.
+//! ThermalControl: the handle of the thermal context. `self_testing` and `tuning` have its part of these trials.
 
 mod self_testing;
+mod tuning;
 
 use super::fans::{Fan, Needs};
 use super::fixed_point::{PERIOD_MS, quotient, saturated, share};
@@ -15,7 +16,7 @@ use crate::connectors::{FANS, HEATERS, Heater, OUTPUTS, Sensor};
 use crate::fault::{Cause, Fault};
 use crate::port::{Pend, ThermalPort};
 use crate::settings::{Bounds, FanRole, ThermalSettings, part_fans, sum};
-use crate::status::{Status, Tuning};
+use crate::status::Status;
 use crate::units::Celsius;
 use fixed::types::I8F24;
 
@@ -94,9 +95,9 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
             settings_sum: 0,
             scrub_in: SCRUB,
         };
-        control.settings_sum = control.sum();
         // The board switches the power supply on. After a switch that stuck it stays off, which this room does not
         // know.
+        control.settings_sum = control.sum();
         control
     }
 
@@ -179,13 +180,6 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         self.parts.iter().take(self.port.fans()).any(|is_part| *is_part)
     }
 
-    fn stop_tuning(&mut self) {
-        for heater in self.heaters.iter_mut().filter_map(|heater| heater.tuning().is_some().then_some(heater)) {
-            heater.set_target(Celsius::ZERO);
-            self.status.heat().set_tuning(Tuning::None);
-        }
-    }
-
     /// Feeds the watchdog, and checks the settings in RAM.
     fn listen(&mut self) {
         if self.heartbeats.is_silent(Context::Generator) {
@@ -246,6 +240,9 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
                 Ok(_) => {}
                 Err(alarm) => found.add(heater, alarm),
             }
+            if looped.ailment().is_some() {
+                self.drop_held(heater);
+            }
         }
         if let Err((heater, alarm)) = self.compare() {
             found.add(heater, alarm);
@@ -267,28 +264,13 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         let is_any_on = duties.iter().any(|duty| *duty > 0);
         for heater in Heater::ALL {
             let looped = &self.heaters[heater as usize];
-            let held = self.self_test.as_ref().map(|test| looped.legal(test.held()[heater as usize]));
+            let held = self.self_test.as_ref().map(|test| test.held()[heater as usize]);
             let target = held.unwrap_or(looped.target());
             let measured = looped.measured().filter(|_| looped.settings().is_fitted);
             let duty = if is_any_on { looped.duty() } else { 0 };
             self.status.heat().set_heater(heater, measured, target, duty);
             self.status.heat().set_ailment(heater, looped.ailment());
             self.status.heat().set_slow(heater, looped.is_slow());
-        }
-    }
-
-    /// Reports the progress of a tuning; a finished one switches its heater off.
-    fn report_tuning(&mut self) {
-        for heater in &mut self.heaters {
-            let Some(tune) = heater.tuning() else { continue };
-            let state = tune.state();
-            if let (Tuning::Done, Ok(tuned)) = (state, tune.find()) {
-                self.status.heat().set_tuned(&tuned);
-            }
-            self.status.heat().set_tuning(state);
-            if matches!(state, Tuning::Done | Tuning::Failed(_)) {
-                heater.set_target(Celsius::ZERO);
-            }
         }
     }
 

@@ -6,6 +6,7 @@ use corehbot::connectors::{Heater, Output};
 use corehbot::fault::Cause;
 use corehbot::status::SelfTest;
 use corehbot::thermal::Order;
+use corehbot::units::Celsius;
 use corehbot_rig::plant::{HeaterFault, Plant, PlantConstants, SensorFault};
 
 /// Orders a self-test and a target, and runs until the test has ended or a fault is latched. Returns the time, and the
@@ -128,4 +129,24 @@ fn everything_off_ends_a_test_and_no_target_beyond_the_limit_waits() {
     assert_eq!([Output::Bed, Output::He0].map(|output| printer.duty(output)), [0.0; 2]);
     printer.run(60.0);
     assert_eq!((printer.fault(), printer.status.heat().target(Heater::Hotend).to_bits()), (None, 0));
+}
+
+/// Reproducer: the target waited out the refusal, and the test gave it to the heater at its end.
+#[test]
+fn a_target_that_waits_is_gone_for_good_when_its_heater_is_refused() {
+    let mut printer = cold();
+    printer.order(Order::SelfTest);
+    printer.set(Heater::Hotend, 200.0);
+    printer.set(Heater::Bed, 60.0);
+    printer.run(1.0);
+    break_it(&printer, |faults| faults.hotend_sensor = SensorFault::Open);
+    let refused = printer.run_until(10.0, |printer| printer.status.heat().ailment(Heater::Hotend).is_some());
+    assert!(refused.is_some());
+    break_it(&printer, |faults| faults.hotend_sensor = SensorFault::None);
+    let ended = printer.run_until(300.0, |printer| printer.status.heat().self_test() != SelfTest::Testing);
+    assert!(ended.is_some_and(|seconds| seconds > 5.0), "it outlives the refusal");
+    printer.run(5.0);
+    let targets = [Heater::Hotend, Heater::Bed].map(|heater| printer.status.heat().target(heater));
+    assert_eq!(targets, [Celsius::ZERO, Celsius::const_from_int(60)]);
+    assert_eq!((printer.fault(), printer.duty(Output::He0)), (None, 0.0));
 }

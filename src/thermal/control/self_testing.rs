@@ -61,6 +61,13 @@ impl<H: ThermalPort, W: Pend> ThermalControl<'_, H, W> {
         self.status.heat().set_self_test(state);
     }
 
+    /// A heater that is refused loses its held target for good, as it loses its target outside of a test.
+    pub(super) const fn drop_held(&mut self, heater: Heater) {
+        if let Some(test) = &mut self.self_test {
+            test.hold(heater, Celsius::ZERO);
+        }
+    }
+
     /// Ends the current self-test and all heating.
     pub(super) fn stop_self_test(&mut self) {
         if self.self_test.take().is_some() {
