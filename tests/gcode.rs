@@ -5,8 +5,9 @@ use crate::support::print::{Printed, reduced};
 use corehbot::connectors::Heater;
 use corehbot::gcode::{
     AxisFlags, AxisWords, Command, HeatCommand, HomeWords, JobCommand, MotionCommand, MotorCommand, Number,
-    RefusedCommand, ReportCommand, codes, names, parse,
+    RefusedCommand, ReportCommand, names,
 };
+use corehbot::machine::{codes, parse};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 
@@ -352,7 +353,7 @@ fn every_known_code_and_name_is_thrown_at_the_parser() {
     let thrown = beginnings();
     let is_thrown = |code: &String| thrown.iter().any(|line| line.split([' ', '.']).next() == Some(code));
     let missing: Vec<_> = known_codes().chain(names().map(str::to_owned)).filter(|code| !is_thrown(code)).collect();
-    assert!(missing.is_empty(), "{missing:?} in the table of src/gcode/commands");
+    assert!(missing.is_empty(), "{missing:?} in the tables of src/gcode/commands and src/machine/commands/table");
 }
 
 /// Named commands report errors in their words by their own reader, as `ACCEL=fast`.

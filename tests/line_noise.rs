@@ -152,7 +152,7 @@ fn print(host: &mut impl Host, harms: Vec<Harm>, deaf: &[bool], last: i32, packe
     }
     assert!(host.is_done(), "the print does not end");
     // OctoPrint requests temperatures when it has waited for too long.
-    let is_known = |text: &String| !matches!(gcode::parse(text.as_bytes()), gcode::Command::Unknown(_));
+    let is_known = |text: &String| !matches!(corehbot::machine::parse(text.as_bytes()), gcode::Command::Unknown(_));
     machine.commands.into_iter().filter(|text| is_known(text) && text != "M105").collect()
 }
 

@@ -1,8 +1,9 @@
 //! The tables of docs/reference against the code. Those of codes are made from the rows of `gcode::commands`
-//! (`BLESS=1` writes them); every fault has a row.
+//! and `machine::commands::table` (`BLESS=1` writes them); every fault has a row.
 
 use corehbot::fault::{Cause, Fault};
-use corehbot::gcode::{Command, Flaw, Treatment, described, names, parse};
+use corehbot::gcode::{Command, Flaw, Treatment, names};
+use corehbot::machine::{described, parse};
 use corehbot::settings::plain;
 use corehbot::settings::table::described as settings;
 use std::collections::BTreeMap;

@@ -146,8 +146,6 @@ mod tests {
     #[test]
     fn words_for_parts_that_are_not_there_are_known_by_name() {
         for (line, part, which) in [
-            ("M221 T1 S50", Part::Extruder, "1"),
-            ("M221 S50 D1", Part::Extruder, "1"),
             ("T1", Part::Tool, ""),
             ("T255", Part::Tool, ""),
             ("M104 T1 S200", Part::Tool, "1"),
@@ -186,7 +184,6 @@ mod tests {
     #[test]
     fn words_of_machines_with_one_extruder_are_obeyed() {
         for line in [
-            "M221 T0 S50",
             "T0",
             "M104 T0 S200",
             "M109 S200 T0",
@@ -213,14 +210,14 @@ mod tests {
         ] {
             assert_eq!(refused(line), None, "{line}");
         }
-        for line in ["M221 T S50", "M900 T K1", "M572 D S.1"] {
+        for line in ["M900 T K1", "M572 D S.1"] {
             assert!(matches!(parse(line.as_bytes()), Command::Malformed(Flaw::NoNumber(_))), "{line}");
         }
     }
 
     #[test]
     fn each_part_of_each_command_has_a_key_of_its_own() {
-        let lines = ["M221 T1", "M221 T2", "M104 T1", "T1", "T2", "M104 I1", "M900 S1", "M900 T1", "M92 T1", "M301 E1"];
+        let lines = ["M203 T1", "M203 T2", "M104 T1", "T1", "T2", "M104 I1", "M900 S1", "M900 T1", "M92 T1", "M301 E1"];
         let names = ["SET_PRESSURE_ADVANCE EXTRUDER=extruder1", "SET_PRESSURE_ADVANCE EXTRUDER=extruder2"];
         let key = |line: &str| match parse(line.as_bytes()) {
             Command::Malformed(Flaw::Absent(absent)) => absent.key(),
@@ -228,6 +225,6 @@ mod tests {
         };
         let keys: BTreeSet<u32> = lines.into_iter().chain(names).map(key).collect();
         assert_eq!(keys.len(), lines.len() + names.len());
-        assert_eq!(key("M221 T1 S50"), key("M221 S80 T1"));
+        assert_eq!(key("M203 T1 E50"), key("M203 E80 T1"));
     }
 }

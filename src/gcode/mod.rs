@@ -8,7 +8,8 @@
 //!
 //! `parse` finds the code and its row in `commands`, where each family of commands has a file: the type, the reader of
 //! its words, its rules for them, and its line in docs/reference/gcode.md. Codes and letters of plain settings come
-//! from the rows of `settings`. `index` has the parts that words select. The other files read letters, numbers and
+//! from the rows of `settings`. `parse_with` looks into the own table of room `machine` too, where a file has all of a
+//! command. `index` has the parts that words select. The other files read letters, numbers and
 //! axes.
 
 mod axes;
@@ -21,13 +22,13 @@ mod parse;
 mod parts;
 
 pub use commands::{
-    BedCommand, Command, Forgets, HeatCommand, JobCommand, Line, MotionCommand, MotorCommand, ProbeCommand,
-    RefusedCommand, ReportCommand, ResonanceCommand, SettingCommand, ShaperName, Text, Treatment, codes, described,
-    names, places,
+    BedCommand, Command, Example, Forgets, Grammar, HeatCommand, JobCommand, Line, MotionCommand, MotorCommand, Nature,
+    OwnCommand, OwnEntry, OwnRow, ProbeCommand, RefusedCommand, ReportCommand, ResonanceCommand, SettingCommand,
+    ShaperName, Text, Treatment, codes, described, names, places,
 };
 pub use index::{Absent, Named, Part};
 pub use number::Number;
-pub use parse::parse;
+pub use parse::{parse, parse_with};
 pub use parts::{
     ArcShape, ArcWords, Audience, AxisFlags, AxisWords, Flaw, Form, GridWords, HomeWords, LevelWords, LevellingWords,
     MachineRecord, MeshPoint, ModelWords, OffsetWords, ParkWords, PlainWords, Plane, PointWords, ScrewWords,

@@ -9,6 +9,7 @@
 use super::code::Code;
 use super::commands::grammar::in_order;
 use super::commands::motion::line;
+use super::commands::own::{OwnRow, own_of_code};
 use super::commands::table::{row_of, row_of_name};
 use super::commands::{Command, RefusedCommand};
 use super::lexer::{is_outside, skip_blanks, skip_past};
@@ -17,16 +18,23 @@ use crate::text::{trim_end, trim_start};
 /// The first character of texts that some editors write (U+FEFF, the byte order mark).
 const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
-/// The command of `line`, without line number, checksum and line end; a comment may still be in it.
-///
-/// Never fails: an unknown command is [`Command::Unknown`].
+/// The command of `line` as in [`parse_with`], without a table of another room.
 #[must_use]
 pub fn parse(line: &[u8]) -> Command<'_> {
+    parse_with(&[], line)
+}
+
+/// The command of `line`, without line number, checksum and line end; a comment may still be in it.
+///
+/// Codes that this room does not know are looked for in `own`. Never fails: an unknown command is
+/// [`Command::Unknown`].
+#[must_use]
+pub fn parse_with<'a>(own: &'static [OwnRow], line: &'a [u8]) -> Command<'a> {
     let text = skip_comments(line);
     let known = match Code::read(text) {
         // Most lines are moves: they are written directly to the place of the answer, because a command is large.
         Some((code @ Code { letter: b'G', subcode: 0, number: 0 | 1 }, words)) => return self::line(code, words),
-        Some((code, words)) => parse_code(code, words),
+        Some((code, words)) => parse_code(own, code, words),
         None if is_comment(line, text) => Some(Command::Silent),
         None => parse_named(text),
     };
@@ -35,8 +43,8 @@ pub fn parse(line: &[u8]) -> Command<'_> {
 
 /// The command of a code, or `None` for one that is not understood.
 #[inline(never)]
-fn parse_code(code: Code, words: &[u8]) -> Option<Command<'_>> {
-    let row = row_of(code)?;
+fn parse_code<'a>(own: &'static [OwnRow], code: Code, words: &'a [u8]) -> Option<Command<'a>> {
+    let Some(row) = row_of(code) else { return own_of_code(own, code, words) };
     let command = (row.read)(code.number, words)?;
     Some(match row.grammar {
         Some(grammar) => in_order(command, grammar, row.letters, code, words),

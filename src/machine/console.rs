@@ -10,7 +10,6 @@
 //! by itself catches the error where it waits (`tune`, `settings::stored`). A line that is kept without `ok`
 //! (`state::job`) waits here, while other hosts are served; it is taken up again when its user answers.
 
-use crate::gcode;
 use crate::kinematics::Groupings;
 use crate::machine::answers::answer::Answer;
 use crate::machine::apart::apart;
@@ -21,6 +20,7 @@ use crate::machine::commands::job::{begin_another, end_job};
 use crate::machine::commands::settings::kept_mesh::take_mesh_to_use;
 use crate::machine::commands::settings::stored::{load_at_start, note_self_test};
 use crate::machine::commands::states::States;
+use crate::machine::commands::table;
 use crate::machine::hosts::asked::Asked;
 use crate::machine::hosts::host::Text;
 use crate::machine::interrupt::{Interrupt, Restart};
@@ -103,7 +103,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                 limp(&mut self.main_loop).await;
             }
             if stopped.is_err() {
-                return apart(pin!(stay_halted(&mut self.main_loop))).await;
+                return apart(pin!(stay_halted(&mut self.main_loop, table::parse))).await;
             }
         }
     }
@@ -162,7 +162,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             let answer = match asked {
                 Asked::Command => {
                     // Not `map_err`, which copies the answer.
-                    match carry_out(main_loop, states, &gcode::parse(&text)).await {
+                    match carry_out(main_loop, states, &table::parse(&text)).await {
                         Ok(answer) => answer,
                         Err(interrupt) => return Err(tell_of_end(main_loop, interrupt, &text)),
                     }
@@ -249,7 +249,7 @@ async fn take_up<'a, P: PortSet, W: Pend>(
 ) -> Result<Option<Answer<'a>>, Interrupt> {
     let Some(kept) = hear::take_up(&mut main_loop.hosts, &mut main_loop.job) else { return Ok(None) };
     let answer = match go_on_with(main_loop, states, kept, answered).await {
-        Ok(Some(true)) => match carry_out(main_loop, states, &gcode::parse(text)).await {
+        Ok(Some(true)) => match carry_out(main_loop, states, &table::parse(text)).await {
             Ok(answer) => answer,
             Err(interrupt) => return Err(tell_of_end(main_loop, interrupt, text)),
         },

@@ -2,7 +2,8 @@
 
 use super::machine::Machine;
 use super::print::Printed;
-use corehbot::gcode::{Command, JobCommand, ReportCommand, SettingCommand, parse};
+use corehbot::gcode::{Command, JobCommand, ReportCommand, SettingCommand};
+use corehbot::machine::parse;
 use corehbot::port::Received;
 
 /// Answers all that has arrived; every answer has one `ok`, and is printable.

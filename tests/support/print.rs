@@ -36,6 +36,7 @@ impl Display for Printed<'_> {
             Command::Bed(command) => bed(f, command, self.1),
             Command::Resonance(command) => resonance(f, command, self.1),
             Command::Report(command) => report(f, command, self.1),
+            Command::Own(_) => reduced(f, self.1),
             Command::Refused(command) => refused(f, command),
             Command::Malformed(flaw) => malformed(f, flaw),
             Command::Silent => f.write_str("M74"),
@@ -111,7 +112,6 @@ fn motion(f: &mut Formatter<'_>, command: MotionCommand, line: &[u8]) -> fmt::Re
         MotionCommand::FeedPercent(percent) => switch(f, "M220", percent),
         MotionCommand::BackUpFeedPercent => f.write_str("M220 B"),
         MotionCommand::RestoreFeedPercent => f.write_str("M220 R"),
-        MotionCommand::FlowPercent(percent) => switch(f, "M221", percent),
         MotionCommand::Finish => f.write_str("M400"),
         MotionCommand::Babystep { by, is_kept } => {
             f.write_str("M290")?;
@@ -222,10 +222,6 @@ fn heat(f: &mut Formatter<'_>, command: HeatCommand, line: &[u8]) -> fmt::Result
             f.write_str(if applies { " U1" } else { "" })
         }
         HeatCommand::SelfTest => f.write_str("SELF_TEST"),
-        HeatCommand::ColdExtrusion { least, allow } => {
-            switch(f, "M302", least)?;
-            word(f, 'P', allow.map(|allow| Number::from(i32::from(allow))))
-        }
         HeatCommand::HeaterModel { heater, is_named, words } => {
             write!(f, "M306 {}", if is_named { index(heater) } else { "" })?;
             for (letter, number) in [
@@ -278,7 +274,6 @@ fn job(f: &mut Formatter<'_>, command: JobCommand<'_>, line: &[u8]) -> fmt::Resu
             word(f, 'P', percent)?;
             word(f, 'R', minutes)
         }
-        JobCommand::Debug(bits) => switch(f, "M111", bits),
         JobCommand::Object(number) => write!(f, "M486 S{number}"),
         JobCommand::CancelObject => f.write_str("M486 C"),
         _ => reduced(f, line),

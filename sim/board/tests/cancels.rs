@@ -8,6 +8,7 @@ use crate::common::heated::heated;
 use crate::common::life::Life;
 use crate::common::on_bed::{SCREWS, over, with_probe};
 use corehbot::accelerometer::Kind;
+use corehbot::machine::examples;
 use corehbot::settings::{ProbeKind, Settings};
 use corehbot::units::{Mm, TICKS_PER_MS};
 use corehbot_rig::bed::BedSetup;
@@ -187,7 +188,7 @@ const ACT: [&str; 10] = ["G28", "M18", "M75", "M77", "M84", "M108", "M110", "M11
 fn a_job_that_has_ended_moves_and_heats_nothing_whatever_the_command() {
     let (s, bed) = machine(ProbeKind::Switch);
     let more = ["M290 Z0.3", "SET_GCODE_OFFSET Z_ADJUST=0.3 MOVE=1", "STEPPER_BUZZ STEPPER=m1"];
-    let lines = ROWS.iter().map(|(line, _)| *line).chain(LONGER).chain(more);
+    let lines = ROWS.iter().copied().chain(examples()).map(|(line, _)| line).chain(LONGER).chain(more);
     let code = |line: &str| line.split([' ', '(', ';']).next().unwrap().to_owned();
     over(&s, &bed, &mut Eeprom::blank(), |life| {
         print(life);

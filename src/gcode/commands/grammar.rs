@@ -13,8 +13,8 @@ use crate::gcode::parts::Flaw;
 use crate::settings::plain::letters;
 
 /// The rules for the words of a command.
-#[derive(Clone, Copy)]
-pub(in crate::gcode) struct Grammar {
+#[derive(Clone, Copy, Debug)]
+pub struct Grammar {
     /// Letters that need a number.
     numbers: &'static [u8],
     /// The letters of plain settings need one too.
@@ -35,7 +35,8 @@ pub(super) const WORDS: &Grammar = &Grammar::numbers(b"");
 
 impl Grammar {
     /// Words, and nothing else; these letters need a number.
-    pub(super) const fn numbers(numbers: &'static [u8]) -> Self {
+    #[must_use]
+    pub const fn numbers(numbers: &'static [u8]) -> Self {
         Self { numbers, is_plain: false, no_axes: &[], not_negative: &[], parts: &[] }
     }
 
@@ -65,6 +66,11 @@ impl Grammar {
         word.quoted == Some(b"0") && self.parts.iter().any(|(its, _)| *its == word.letter)
     }
 
+    /// Whether a letter selects a part. Only lines for the one that is there are obeyed.
+    pub(super) fn selects(&self, letter: u8) -> bool {
+        self.parts.iter().any(|(its, _)| *its == letter)
+    }
+
     /// Whether a letter needs a number.
     fn needs_number(&self, code: Code, letter: u8) -> bool {
         self.numbers.contains(&letter)
@@ -72,23 +78,26 @@ impl Grammar {
     }
 
     /// The same, and these letters are axes that there are not.
-    pub(super) const fn no_axes(self, no_axes: &'static [u8]) -> Self {
+    #[must_use]
+    pub const fn no_axes(self, no_axes: &'static [u8]) -> Self {
         Self { no_axes, ..self }
     }
 
     /// The same, and the numbers of these letters are not negative.
-    pub(super) const fn not_negative(self, not_negative: &'static [u8]) -> Self {
+    #[must_use]
+    pub const fn not_negative(self, not_negative: &'static [u8]) -> Self {
         Self { not_negative, ..self }
     }
 
     /// The same, and these letters select a part.
-    pub(super) const fn parts(self, parts: &'static [(u8, Part)]) -> Self {
+    #[must_use]
+    pub const fn parts(self, parts: &'static [(u8, Part)]) -> Self {
         Self { parts, ..self }
     }
 }
 
 /// A set of letters, as the bits of a number. The last bit says whether subcodes make no difference.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(in crate::gcode) struct Letters(u32);
 
 const SUBCODES: u32 = 1 << 31;
@@ -118,7 +127,7 @@ impl Letters {
         Self(set)
     }
 
-    const fn has(self, letter: u8) -> bool {
+    pub(super) const fn has(self, letter: u8) -> bool {
         letter.is_ascii_uppercase() && self.0 & 1 << (letter - b'A') != 0
     }
 }

@@ -41,13 +41,6 @@ pub enum HeatCommand {
         /// S, of 255; 0 for M107.
         speed: Number,
     },
-    /// M302: the temperature below which no filament moves, or report.
-    ColdExtrusion {
-        /// S, in degrees Celsius.
-        least: Option<Number>,
-        /// P: whether filament may move at any temperature.
-        allow: Option<bool>,
-    },
     /// M303, M306 T: find out how a heater behaves.
     TuneHeater(TuningWords),
     /// M306: the model of a heater, or report.
@@ -100,9 +93,6 @@ pub(super) const ROWS: &[Described] = &[
     Described::m(&[304], plain)
         .grammar(&Grammar::plain().parts(&[(b'H', Part::Heater), (b'T', Part::Tool)]))
         .does("P I D", "the same for the bed"),
-    Described::m(&[302], |_, text| heat(cold_extrusion(text)))
-        .grammar(&Grammar::numbers(b"SP"))
-        .does("S P", "least temperature for filament; P1 allows any; or reports"),
     Described::m(&[303], |_, text| heat(tune(text)))
         .grammar(&Grammar::numbers(b"ECS").parts(&[(b'T', Part::Tool), (b'H', Part::Heater)]))
         .does("E C S U", "finds gains and model by C swings around S; U1 uses them"),
@@ -174,12 +164,6 @@ fn model(text: &[u8]) -> HeatCommand {
         [b'P', b'C', b'A', b'F', b'R', b'L', b'H'].map(|letter| number(text, letter));
     let words = ModelWords { power, capacity, loss, fan_loss, responsiveness, heater_lag, filament };
     HeatCommand::HeaterModel { heater, is_named: last(text, b'E').is_some(), words }
-}
-
-/// M302. P0 forbids, any other P allows.
-fn cold_extrusion(text: &[u8]) -> HeatCommand {
-    let allow = number(text, b'P').map(|allow| allow != Number::ZERO);
-    HeatCommand::ColdExtrusion { least: number(text, b'S'), allow }
 }
 
 /// M710.

@@ -55,8 +55,6 @@ pub enum JobCommand<'a> {
     Object(Number),
     /// M486 P, U, C and EXCLUDE_OBJECT: leave an object out, which this firmware cannot.
     CancelObject,
-    /// M111: debug flags; bit 3 is a dry run, in which no filament moves.
-    Debug(Option<Number>),
     /// M112: stop everything until M999 or a reset.
     EmergencyStop,
     /// M999: restart after a stop. The receive path acts on it if the machine is halted.
@@ -91,9 +89,6 @@ pub(super) const ROWS: &[Described] = &[
     .does("", "an upload to a card: answered, not stored, not carried out"),
     Described::m(&[486], |_, text| Some(object(text)))
         .does("S T A, P U C", "object of the following lines; leaving one out (P, U, C) is refused"),
-    Described::m(&[111], |_, text| job(JobCommand::Debug(number(text, b'S'))))
-        .grammar(&Grammar::numbers(b"S"))
-        .does("S", "bit 3 is a dry run without filament; or reports"),
     Described::m(&[112], |_, _| job(JobCommand::EmergencyStop)).does("", "stops everything; acts at once"),
     Described::m(&[999], |_, _| job(JobCommand::Restart)).does("", "starts again after a stop"),
 ];

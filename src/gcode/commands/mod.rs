@@ -7,6 +7,7 @@
 //! | [`refused`], [`silent`] | the same for commands that are not carried out |
 //! | [`offset`] | words of the offsets of z, for [`motion`] |
 //! | [`row`] | the parts of a row |
+//! | [`own`] | the rows of another room's own table, and their commands |
 //! | [`grammar`] | the rules for words, and the lines that break them |
 //! | [`table`] | the rows of all families |
 
@@ -17,6 +18,7 @@ mod jobs;
 pub(super) mod motion;
 mod motors;
 mod offset;
+pub(super) mod own;
 mod probing;
 mod refused;
 mod reports;
@@ -28,10 +30,12 @@ pub(super) mod table;
 
 use super::parts::Flaw;
 pub use bed::{BedCommand, Forgets, places};
+pub use grammar::Grammar;
 pub use heat::HeatCommand;
 pub use jobs::JobCommand;
 pub use motion::MotionCommand;
 pub use motors::MotorCommand;
+pub use own::{Example, Nature, OwnCommand, OwnEntry, OwnRow};
 pub use probing::ProbeCommand;
 pub use refused::RefusedCommand;
 pub use reports::ReportCommand;
@@ -42,10 +46,11 @@ pub use table::{Line, codes, described, names};
 
 /// A command, by family; every one is answered with one `ok`. Lengths are in the units that G20/G21 chose.
 ///
-/// A new one is a variant and a row of its family here, and an arm of the same family in `machine::commands`, for which
-/// the compiler asks. `sim/board/tests/commands/table.rs` asks for a row with its answer, `tests/gcode.rs` for a
-/// grammar (without one any text is taken), and docs/reference/gcode.md is made from the row. By hand: a code that was
-/// ignored leaves `silent`; a code that hosts send to a stopped machine goes into `machine::main_loop::halted`.
+/// One that acts at once is a file of `machine::commands::table`. Any other is a variant and a row of its family here,
+/// and an arm of the same family in `machine::commands`, for which the compiler asks.
+/// `sim/board/tests/commands/table.rs` asks for a row with its answer, `tests/gcode.rs` for a grammar (without one any
+/// text is taken), and docs/reference/gcode.md is made from the row. By hand: a code that was ignored leaves `silent`; a
+/// code that hosts send to a stopped machine goes into `machine::main_loop::halted`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Command<'a> {
     /// Moves, modes, overrides.
@@ -66,6 +71,8 @@ pub enum Command<'a> {
     Resonance(ResonanceCommand),
     /// Reports and messages.
     Report(ReportCommand<'a>),
+    /// A command of another room's own table.
+    Own(OwnCommand<'a>),
     /// Known, and refused in words.
     Refused(RefusedCommand),
     /// A command that hosts and slicers send and that needs no answer but `ok`.

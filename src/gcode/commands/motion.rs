@@ -87,8 +87,6 @@ pub enum MotionCommand {
     BackUpFeedPercent,
     /// M220 R: go back to the remembered feed override.
     RestoreFeedPercent,
-    /// M221: flow override in percent, or report.
-    FlowPercent(Option<Number>),
     /// M290: shift z while moves are under way, or report.
     Babystep {
         /// Z or S.
@@ -183,9 +181,6 @@ pub(super) const ROWS: &[Described] = &[
     Described::m(&[220], |_, text| motion(feed_percent(text)))
         .grammar(&Grammar::numbers(b"S"))
         .does("S, B, R", "feed in percent; B keeps it, R restores it; or reports"),
-    Described::m(&[221], |_, text| motion(MotionCommand::FlowPercent(number(text, b'S'))))
-        .grammar(&Grammar::numbers(b"STD").parts(&[(b'T', Part::Extruder), (b'D', Part::Extruder)]))
-        .does("S T D", "flow in percent; T and D name the extruder, 0; or reports"),
     Described::t(|number, _| tool(number))
         .does("", "the only tool; another one is answered `echo:T1 Invalid extruder` once a print"),
 ];

@@ -9,17 +9,41 @@
 
 use super::Command;
 use super::grammar::{Grammar, Letters};
+use crate::gcode::code::Code;
 
 /// Reads the words after a code with that number (0 for a name). `None` if the whole line is unknown.
 pub(super) type Read = for<'a> fn(u16, &'a [u8]) -> Option<Command<'a>>;
 
 /// How a line begins.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(in crate::gcode) enum Begin {
     /// With a letter and one of these numbers.
     Code(u8, &'static [u16]),
     /// With one of these names.
     Name(&'static [&'static str]),
+}
+
+impl Begin {
+    /// Whether a code begins a line of it.
+    pub(super) fn is_code(&self, code: Code, letters: Letters) -> bool {
+        match *self {
+            Self::Code(b'T', _) => code.letter == b'T' && code.subcode == 0,
+            Self::Code(letter, numbers) => {
+                letter == code.letter
+                    && numbers.contains(&code.number)
+                    && (code.subcode == 0 || letters.takes_subcodes())
+            }
+            Self::Name(_) => false,
+        }
+    }
+
+    /// The letter and the numbers of its codes, and its names.
+    pub(super) const fn parts(&self) -> ((char, &'static [u16]), &'static [&'static str]) {
+        match *self {
+            Self::Code(letter, numbers) => ((letter as char, numbers), &[]),
+            Self::Name(names) => (('M', &[]), names),
+        }
+    }
 }
 
 /// The part of a row that the firmware needs.

@@ -48,15 +48,7 @@ static ROWS: [Row; COUNT] = {
 
 /// The row of a code.
 pub(in crate::gcode) fn row_of(code: Code) -> Option<&'static Row> {
-    ROWS.iter().find(|row| match row.begin {
-        Begin::Code(b'T', _) => code.letter == b'T' && code.subcode == 0,
-        Begin::Code(letter, numbers) => {
-            letter == code.letter
-                && numbers.contains(&code.number)
-                && (code.subcode == 0 || row.letters.takes_subcodes())
-        }
-        Begin::Name(_) => false,
-    })
+    ROWS.iter().find(|row| row.begin.is_code(code, row.letters))
 }
 
 /// The row of a name.
@@ -69,20 +61,14 @@ pub(in crate::gcode) fn row_of_name(name: &[u8]) -> Option<&'static Row> {
 
 /// The names that are known.
 pub fn names() -> impl Iterator<Item = &'static str> {
-    let names = |row: &'static Row| match row.begin {
-        Begin::Name(names) => names,
-        Begin::Code(..) => &[],
-    };
-    ROWS.iter().flat_map(names).copied()
+    ROWS.iter().flat_map(|row| row.begin.parts().1).copied()
 }
 
 /// The codes that are known, as letters and numbers.
 pub fn codes() -> impl Iterator<Item = (char, u16)> {
-    let codes = |row: &'static Row| match row.begin {
-        Begin::Code(letter, numbers) => (char::from(letter), numbers),
-        Begin::Name(_) => ('M', &[][..]),
-    };
-    ROWS.iter().map(codes).flat_map(|(letter, numbers)| numbers.iter().map(move |number| (letter, *number)))
+    ROWS.iter()
+        .map(|row| row.begin.parts().0)
+        .flat_map(|(letter, numbers)| numbers.iter().map(move |number| (letter, *number)))
 }
 
 /// A row for people: its family, its codes with their letter, its names, and its texts.
@@ -101,10 +87,7 @@ pub struct Line {
 pub fn described() -> impl Iterator<Item = Line> {
     FAMILIES.iter().flat_map(|(family, rows)| {
         rows.iter().map(|Described { row, text }| {
-            let (codes, names) = match row.begin {
-                Begin::Code(letter, numbers) => ((char::from(letter), numbers), &[][..]),
-                Begin::Name(names) => (('M', &[][..]), names),
-            };
+            let (codes, names) = row.begin.parts();
             Line { family, codes, names, text }
         })
     })

@@ -174,14 +174,6 @@ fn heaters_and_fans() {
             "{line}"
         );
     }
-    for (line, least, allow) in [
-        ("M302", None, None),
-        ("M302 S0", number("0"), None),
-        ("M302 P1", None, Some(true)),
-        ("M302 S170 P0", number("170"), Some(false)),
-    ] {
-        assert_eq!(parse(line.as_bytes()), Command::Heat(HeatCommand::ColdExtrusion { least, allow }), "{line}");
-    }
     for line in ["M104 S", "M109 Snan", "M190 Rinf", "M106 P", "M301 P I1", "M303 Cx", "M306 A", "M140 S1,5"] {
         assert!(matches!(parse(line.as_bytes()), Command::Malformed(_)), "{line}");
     }
@@ -208,7 +200,6 @@ fn every_code_has_its_command() {
         ("M105", Command::Heat(HeatCommand::ReportTemperatures)),
         ("M108", Command::Job(JobCommand::Continue)),
         ("M110 N5", Command::Report(ReportCommand::LineNumber)),
-        ("M111 S1", Command::Job(JobCommand::Debug(one))),
         ("M112", Command::Job(JobCommand::EmergencyStop)),
         ("M113 S1", plain(113, [one])),
         ("M119", Command::Report(ReportCommand::ReportEndstops)),
@@ -218,7 +209,6 @@ fn every_code_has_its_command() {
         ("M207", Command::Motion(MotionCommand::RetractSettings { length: None, feed: None, lift: None })),
         ("M208 S1", Command::Motion(MotionCommand::RecoverSettings { extra: one, feed: None })),
         ("M208 F1", Command::Motion(MotionCommand::RecoverSettings { extra: None, feed: one })),
-        ("M221 S1", Command::Motion(MotionCommand::FlowPercent(one))),
         ("M400", Command::Motion(MotionCommand::Finish)),
         ("M410", Command::Motion(MotionCommand::QuickStop)),
         ("M503", Command::Setting(SettingCommand::ReportSettings { for_replay: false })),

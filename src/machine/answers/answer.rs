@@ -1,7 +1,8 @@
 //! Answers: the result of a command, as a value. `answer` holds the result, `report` the wording.
 //!
 //! A command returns its answer; `main_loop::reply` writes it, and the Console then sends the `ok`. A new reply is a
-//! variant here and an arm in `main_loop::reply`. A reply of several lines gets its own function in `reports`. An
+//! function in the file of its command ([`Answer::says`]). Elsewhere it is a variant here and an arm in
+//! `main_loop::reply`. A reply of several lines gets its own function in `reports`. An
 //! `echo:` that is no trouble also goes into `EXPECTED` of `sim/board/src/host.rs`, or `corehbot run` warns of it.
 
 use super::belt_answer::BeltAnswer;
@@ -11,6 +12,7 @@ use super::machine_answer::MachineAnswer;
 use super::mesh_answer::MeshAnswer;
 use super::probe_answer::ProbeAnswer;
 use super::resonance_answer::ResonanceAnswer;
+use super::says::{Say, Says};
 use super::screw_answer::ScrewAnswer;
 use super::setting::HeatSetting;
 use super::setting::Setting;
@@ -61,6 +63,8 @@ pub(in crate::machine) enum Answer<'a> {
     Start,
     /// A line that is always the same.
     Line(&'static str),
+    /// Words in the file of the command.
+    Says(Says),
     /// Sends an action command (`//action:`) to hosts.
     Action(Action<'static>),
     /// M118.
@@ -68,10 +72,6 @@ pub(in crate::machine) enum Answer<'a> {
     /// M900.
     Advance,
     FeedPercent,
-    /// M221.
-    FlowPercent(u16),
-    /// M111: whether it is a dry run.
-    DebugFlags(bool),
     /// M28, with the name of the file: there is no card.
     NoCard(&'a [u8]),
     /// An upload to a card has ended; this many lines were not carried out.
@@ -99,8 +99,6 @@ pub(in crate::machine) enum Answer<'a> {
     /// M106 for a fan that something else decides on.
     NotCommanded(u8),
     HeatSetting(HeatSetting),
-    /// M302: whether cold extrusion is allowed.
-    ColdExtrusion(bool),
     /// M303: cycles that are done.
     TuningCycle(Heater, u8),
     /// M303: the result of the tuning.
@@ -152,6 +150,11 @@ pub(in crate::machine) enum Answer<'a> {
 }
 
 impl Answer<'_> {
+    /// Words in the file of the command, with a number that it keeps for itself.
+    pub const fn says(say: Say, number: i32) -> Self {
+        Self::Says(Says::new(say, number))
+    }
+
     /// Whether the `ok` is part of it.
     pub const fn has_ok(&self) -> bool {
         matches!(

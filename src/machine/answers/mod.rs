@@ -6,6 +6,7 @@
 //! | file | is for |
 //! |---|---|
 //! | [`answer`] | the **content**: one variant a reply |
+//! | [`says`] | words in the file of a command |
 //! | [`setting`], [`driver_value`] | names for the values that a line sets and reports |
 //! | [`words`] | values of a command, as the line that sets them |
 //! | [`machine_answer`] | answers about a machine record on a serial line |
@@ -33,6 +34,7 @@ pub(in crate::machine) mod mesh_answer;
 pub(in crate::machine) mod message;
 pub(in crate::machine) mod probe_answer;
 pub(in crate::machine) mod resonance_answer;
+pub(in crate::machine) mod says;
 pub(in crate::machine) mod screw_answer;
 pub(in crate::machine) mod setting;
 pub(in crate::machine) mod speaker;

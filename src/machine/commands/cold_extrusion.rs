@@ -1,15 +1,12 @@
-//! Cold extrusion: M302, and filament that is left out of moves because the hotend is too cold for it.
+//! Cold extrusion: filament that is left out of moves because the hotend is too cold for it, unless M302 allows it.
 
 use crate::connectors::Heater;
-use crate::gcode::Number;
 use crate::machine::answers::answer::Answer;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
-use crate::machine::state::clamps::Clamps;
 use crate::machine::state::notices::{Notice, Notices};
 use crate::port::Pend;
-use crate::settings::{Range, ranges};
 use crate::units::Celsius;
 
 /// Whether filament may move at any temperature.
@@ -24,38 +21,14 @@ impl ColdExtrusion {
         Self { is_allowed: false }
     }
 
-    /// M302. Without a hotend nothing can be too cold.
-    pub fn set<P: PortSet, W: Pend>(
-        &mut self,
-        main_loop: &mut MainLoop<'_, P, W>,
-        clamps: &mut Clamps,
-        least: Option<Number>,
-        allow: Option<bool>,
-    ) -> Answer<'static> {
-        let hotend = main_loop.settings.thermal.heater(Heater::Hotend);
-        if !hotend.is_fitted {
-            let forbids = least.is_some_and(|least| least > Number::ZERO) || allow == Some(false);
-            return Answer::Line(if forbids {
-                "echo:Cold extrudes are enabled, and cannot be forbidden without a heater"
-            } else {
-                "echo:Cold extrudes are enabled"
-            });
-        }
-        if least.is_none() && allow.is_none() {
-            return Answer::ColdExtrusion(self.is_allowed);
-        }
-        if let Some(least) = least {
-            let range = Range { most: ranges::MIN_EXTRUDE.most.min(hotend.most), ..ranges::MIN_EXTRUDE };
-            clamps.near(["M302", "S"], least, range, &mut main_loop.heat_settings().min_extrude);
-            if clamps.refuses_line() {
-                return Answer::Nothing;
-            }
-            self.is_allowed = false;
-        }
-        if let Some(allow) = allow {
-            self.is_allowed = allow;
-        }
-        Answer::Nothing
+    /// Whether M302 P1 was said.
+    pub const fn is_allowed(&self) -> bool {
+        self.is_allowed
+    }
+
+    /// M302: filament may move at any temperature, or may not.
+    pub const fn allow(&mut self, is_allowed: bool) {
+        self.is_allowed = is_allowed;
     }
 
     /// Whether filament must not move: the hotend is too cold, or its temperature is unknown.

@@ -1,10 +1,10 @@
 //! Dispatch of every command to its family.
 //!
 //! ```text
-//!   Command ──▶ motion, jobs, heat, settings, motors, probing, bed, resonance, reports, refused ──▶ Answer
+//!   Command ──▶ table, or motion, jobs, heat, settings, motors, probing, bed, resonance, reports, refused ──▶ Answer
 //! ```
 //!
-//! Each family has one match without a wildcard, so a new command does not compile before it has an arm. The arm gives
+//! A command with all of it in one file is in the table. Of the others each family has one match without a wildcard, so a new command does not compile before it has an arm. The arm gives
 //! the answer at once, or awaits it: motion, power, storage, drivers, questions to the user.
 //!
 //! Each family is polled by a function of its own (`apart`). In one function they took 7.3 KB more of an image.
@@ -13,7 +13,7 @@ use super::detour::{begin_line, end_line};
 use super::job::{end_job, refuse, starts_print};
 use super::pause::{end_keeping, hold};
 use super::states::States;
-use super::{bed, heat, jobs, motion, motors, probing, refused, reports, resonance, settings};
+use super::{bed, heat, jobs, motion, motors, probing, refused, reports, resonance, settings, table};
 use crate::gcode::{Command, Flaw};
 use crate::machine::answers::answer::Answer;
 use crate::machine::apart::apart;
@@ -58,6 +58,7 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Pend>(
         Command::Bed(ref command) => apart(pin!(bed::carry_out(main_loop, states, command))).await,
         Command::Resonance(ref command) => apart(pin!(resonance::carry_out(main_loop, states, command))).await,
         Command::Report(ref command) => apart(pin!(reports::carry_out(main_loop, states, command))).await,
+        Command::Own(ref command) => Ok(table::carry_out(main_loop, states, command)),
         Command::Refused(command) => Err(refused::end(main_loop, command)),
         Command::Silent => Ok(Answer::Nothing),
         Command::Malformed(Flaw::Absent(absent)) if !states.notices.give_absent(absent.key()) => Ok(Answer::Nothing),

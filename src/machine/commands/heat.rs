@@ -23,7 +23,7 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
     states: &mut States,
     command: &HeatCommand,
 ) -> Result<Answer<'static>, Interrupt> {
-    let States { clamps, notices, cold, .. } = states;
+    let States { clamps, notices, .. } = states;
     Ok(match *command {
         HeatCommand::HeaterTarget { heater, target } => {
             let code = ["M104", "M140", "M141"][heater as usize];
@@ -39,7 +39,6 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
             Answer::Temperatures
         }
         HeatCommand::FanSpeed { fan, speed } => return set_fan(main_loop, notices, clamps, fan, speed).await,
-        HeatCommand::ColdExtrusion { least, allow } => cold.set(main_loop, clamps, least, allow),
         HeatCommand::TuneHeater(ref words) => return apart(pin!(tune(main_loop, clamps, words))).await,
         HeatCommand::HeaterModel { heater, is_named, ref words } => match model_of(&main_loop.settings.thermal, heater)
         {

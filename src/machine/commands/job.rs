@@ -3,8 +3,8 @@
 use super::pause::{announce, hold};
 use crate::connectors::Heater;
 use crate::gcode::{
-    BedCommand, Command, HeatCommand, JobCommand, MotionCommand, MotorCommand, Number, ProbeCommand, ResonanceCommand,
-    SettingCommand,
+    BedCommand, Command, HeatCommand, JobCommand, MotionCommand, MotorCommand, Nature, Number, ProbeCommand,
+    ResonanceCommand, SettingCommand,
 };
 use crate::machine::answers::answer::Answer;
 use crate::machine::interrupt::Interrupt;
@@ -159,6 +159,11 @@ pub(in crate::machine) fn refuse<P: PortSet, W: Pend>(
             );
             moves || is_by_condition || matches!(command, ZOffset(words) if words.moves)
         }
+        Command::Own(ref command) => match command.nature() {
+            Nature::Report => false,
+            Nature::Work => true,
+            Nature::Aside | Nature::Mode => is_by_condition,
+        },
         Command::Bed(BedCommand::Measure(_) | BedCommand::GoTo { .. })
         | Command::Motor(MotorCommand::LevelScrews(_) | MotorCommand::HandScrews { .. } | MotorCommand::Buzz { .. }) => {
             true

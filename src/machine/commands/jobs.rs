@@ -12,9 +12,6 @@ use crate::machine::state::clamps::Clamps;
 use crate::port::Pend;
 use crate::settings::Range;
 
-/// The bit of M111 for a dry run (Marlin, MARLIN_DEBUG_DRYRUN).
-const DRY_RUN: u32 = 8;
-
 /// Carries out a command about the job.
 pub(super) async fn carry_out<'a, P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
@@ -46,8 +43,6 @@ pub(super) async fn carry_out<'a, P: PortSet, W: Pend>(
             main_loop.status.print_progress.set_object(object);
         }
         JobCommand::CancelObject => return Ok(Answer::Line("echo:this firmware cannot leave out objects, ignored")),
-        JobCommand::Debug(None) => return Ok(Answer::DebugFlags(modal.dry_run)),
-        JobCommand::Debug(Some(bits)) => modal.dry_run = bits.to_u32() & DRY_RUN != 0,
         JobCommand::EmergencyStop => return Err(Interrupt::Halt),
         // It has no effect unless the machine is halted.
         JobCommand::Restart => {}

@@ -1,7 +1,8 @@
 //! Commands: the effect of each one.
 //!
 //! ```text
-//!   Command ──▶ dispatch ──▶ its family: one match, an arm each ──▶ moves, homing, heating, settings::set ...
+//!   Command ──▶ dispatch ──┬──▶ table: a file each, at once
+//!                          └──▶ its family: one match, an arm each ──▶ moves, homing, heating, settings::set ...
 //! ```
 //!
 //! The Console calls `carry_out` for a line and sends the returned answer, then the `ok`. A command is a function of
@@ -9,6 +10,8 @@
 //! main loop than settings, gets `&mut MainLoop` with its owners, which keeps running during the wait, and the one to
 //! three [`states`] that it names. Where several functions need the same four, they are methods of a struct that
 //! borrows them ([`moves::Moves`]).
+//!
+//! [`table`] has commands with an effect at once, each with all of it in one file. The others:
 //!
 //! | family (the same in `gcode::commands`) | its arms | its work |
 //! |---|---|---|
@@ -71,6 +74,7 @@ mod shaping;
 mod shift_z;
 pub(in crate::machine) mod states;
 mod switch;
+pub(in crate::machine) mod table;
 mod tuning;
 mod waits;
 mod z_offset;

@@ -73,10 +73,6 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
         }
         MotionCommand::BackUpFeedPercent => modal.kept_feed_percent = main_loop.motion.feed_percent(),
         MotionCommand::RestoreFeedPercent => main_loop.override_feed(modal.kept_feed_percent).await?,
-        MotionCommand::FlowPercent(None) => return Ok(Answer::FlowPercent(modal.flow_percent)),
-        MotionCommand::FlowPercent(Some(number)) => {
-            clamps.whole(["M221", "S"], number, PERCENT, &mut modal.flow_percent);
-        }
         MotionCommand::Babystep { by, is_kept } => {
             return Moves { main_loop, modal, clamps, notices, cold }.babystep(by, is_kept).await;
         }

@@ -7,7 +7,7 @@
 
 use crate::driver;
 use crate::fault::Fault;
-use crate::gcode::{self, Command, HeatCommand, JobCommand, MotionCommand, PlainWords, ReportCommand, SettingCommand};
+use crate::gcode::{Command, HeatCommand, JobCommand, MotionCommand, PlainWords, ReportCommand, SettingCommand};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::speaker::Progress;
 use crate::machine::hosts::asked::Asked;
@@ -47,6 +47,9 @@ fn report_killed(replies: &mut Replies, reason: Reason) -> Result<(), NoRoom> {
 
 /// Whether hosts send this when they connect, and nothing is missing on the plate if it is not carried out.
 const fn is_said_on_connecting(command: &Command<'_>) -> bool {
+    if let Command::Own(command) = command {
+        return command.is_said_on_connecting();
+    }
     matches!(
         command,
         Command::Report(
@@ -55,15 +58,36 @@ const fn is_said_on_connecting(command: &Command<'_>) -> bool {
                 | ReportCommand::FanTurns(Some(_))
                 | ReportCommand::Message
                 | ReportCommand::ReportPosition { .. }
-        ) | Command::Job(JobCommand::Debug(_) | JobCommand::Progress { .. })
-            | Command::Motion(MotionCommand::FeedPercent(_) | MotionCommand::FlowPercent(_) | MotionCommand::Tool)
+        ) | Command::Job(JobCommand::Progress { .. })
+            | Command::Motion(MotionCommand::FeedPercent(_) | MotionCommand::Tool)
             | Command::Setting(SettingCommand::Plain(PlainWords { code: KEEPALIVE, .. }))
             | Command::Silent
     )
 }
 
-/// After a stop, until M999.
-pub(in crate::machine) async fn stay_halted<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Restart {
+/// The reply to a host that connected later; `None` for a command that would act.
+fn answer_halted(asked: Asked, parse: fn(&[u8]) -> Command<'_>, text: &[u8]) -> Option<[Answer<'static>; 2]> {
+    let greeting = Answer::Line(GREETING);
+    Some(match asked {
+        Asked::LineNumber(number) => [greeting, Answer::LineNumber(number)],
+        Asked::Nothing => [Answer::Nothing, Answer::Ok],
+        Asked::Resend(reason, last) => [Answer::Nothing, Answer::Resend(reason, last)],
+        Asked::Question(last) => [Answer::Nothing, Answer::Question(last)],
+        Asked::TooLong => return None,
+        Asked::Command => match parse(text) {
+            Command::Heat(HeatCommand::ReportTemperatures) => [Answer::Nothing, Answer::Temperatures],
+            Command::Report(ReportCommand::ReportFirmware) => [Answer::Firmware, Answer::Ok],
+            command if is_said_on_connecting(&command) => [greeting, Answer::Ok],
+            _ => return None,
+        },
+    })
+}
+
+/// After a stop, until M999. Lines are read by `parse`.
+pub(in crate::machine) async fn stay_halted<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    parse: fn(&[u8]) -> Command<'_>,
+) -> Restart {
     main_loop.status.set_halted();
     main_loop.stop_and_cut();
     main_loop.status.set_awaiting_input(true);
@@ -102,7 +126,7 @@ pub(in crate::machine) async fn stay_halted<P: PortSet, W: Pend>(main_loop: &mut
                 *is_new |= matches!(asked, Asked::LineNumber(_));
                 *is_new
             });
-            match main_loop.answer_halted(asked, &text).filter(|_| knows) {
+            match answer_halted(asked, parse, &text).filter(|_| knows) {
                 Some(answers) => {
                     for answer in answers {
                         main_loop.reply_halted(answer, &mut are_new).await;
@@ -116,24 +140,6 @@ pub(in crate::machine) async fn stay_halted<P: PortSet, W: Pend>(main_loop: &mut
 }
 
 impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
-    /// The reply to a host that connected later; `None` for a command that would act.
-    fn answer_halted(&self, asked: Asked, text: &[u8]) -> Option<[Answer<'static>; 2]> {
-        let greeting = Answer::Line(GREETING);
-        Some(match asked {
-            Asked::LineNumber(number) => [greeting, Answer::LineNumber(number)],
-            Asked::Nothing => [Answer::Nothing, Answer::Ok],
-            Asked::Resend(reason, last) => [Answer::Nothing, Answer::Resend(reason, last)],
-            Asked::Question(last) => [Answer::Nothing, Answer::Question(last)],
-            Asked::TooLong => return None,
-            Asked::Command => match gcode::parse(text) {
-                Command::Heat(HeatCommand::ReportTemperatures) => [Answer::Nothing, Answer::Temperatures],
-                Command::Report(ReportCommand::ReportFirmware) => [Answer::Firmware, Answer::Ok],
-                command if is_said_on_connecting(&command) => [greeting, Answer::Ok],
-                _ => return None,
-            },
-        })
-    }
-
     /// Sends an answer to the host being served, as soon as there is room for it, or until M999.
     async fn reply_halted(&mut self, answer: Answer<'static>, are_new: &mut [bool; LINES]) {
         self.progress = Progress::default();

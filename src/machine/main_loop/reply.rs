@@ -36,7 +36,7 @@ use crate::port::Pend;
 use crate::protocol::{Echo, Owed, Replies};
 use crate::settings::{Settings, ranges};
 use crate::storage::is_present;
-use crate::units::{Celsius, Instant};
+use crate::units::Instant;
 
 impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
     /// Sends an answer to the host being served, as soon as there is room for it.
@@ -102,6 +102,10 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             let position = self.position(real);
             return Speaker::new(&mut self.progress, &mut self.hosts).say(format_args!("{position}"));
         }
+        if let Answer::Says(says) = answer {
+            let to = &mut Speaker::new(&mut self.progress, &mut self.hosts);
+            return says.write(to, &self.settings);
+        }
         let temperatures = self.temperatures();
         let targets = Heater::ALL.map(|heater| self.heat.target(heater));
         let Self {
@@ -110,7 +114,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         let s: &Settings = settings;
         let to = &mut Speaker::new(progress, hosts);
         match *answer {
-            Answer::Nothing | Answer::Kept | Answer::Ok | Answer::Position { .. } => {}
+            Answer::Nothing | Answer::Kept | Answer::Ok | Answer::Position { .. } | Answer::Says(_) => {}
             Answer::LineNumber(number) => to.put(&|replies| replies.line_number(number)),
             Answer::TooLong => to.put(&Replies::too_long),
             Answer::Question(last) => to.put(&|replies| replies.question(last)),
@@ -140,11 +144,6 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             Answer::NoFan(fan) => to.say(format_args!("echo:M106 ignored: there is no fan {fan}")),
             Answer::NotCommanded(fan) => to.say(format_args!("echo:fan {fan} is not commanded")),
             Answer::HeatSetting(setting) => report_heat_setting(to, setting, &s.thermal),
-            Answer::ColdExtrusion(allows_cold) => {
-                let least = s.thermal.min_extrude;
-                let state = if allows_cold || least <= Celsius::ZERO { "enabled" } else { "disabled" };
-                to.say(format_args!("echo:Cold extrudes are {state} (min temp {}C)", shortest(least)));
-            }
             Answer::TuningCycle(heater, done) => to.say(format_args!("echo:{}: {done} cycles done", heater.name())),
             Answer::Tuned(heater, tuned) => report_tuned(to, heater, &tuned),
             Answer::Start => {
@@ -156,8 +155,6 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             Answer::Message(form, text) => to.say(format_args!("{}", Message { form, text })),
             Answer::Advance => to.say(format_args!("echo:Advance K={}", shortest(s.advance.time))),
             Answer::FeedPercent => to.say(format_args!("FR:{}%", motion.feed_percent())),
-            Answer::FlowPercent(percent) => to.say(format_args!("echo:E0 Flow: {percent}%")),
-            Answer::DebugFlags(is_dry) => to.say(format_args!("echo:DEBUG:{}", if is_dry { "DRYRUN" } else { "off" })),
             // Marlin's words (language.h, STR_SD_OPEN_FILE_FAIL).
             Answer::NoCard(name) => {
                 let name = Echo(name);

@@ -14,7 +14,7 @@
 use super::commanded::Commanded;
 use super::modal::Modal;
 use super::program::{Dynamics, Program};
-use crate::gcode::{ArcWords, AxisWords, Command, MotionCommand};
+use crate::gcode::{ArcWords, AxisWords, Command, MotionCommand, Nature};
 
 /// Which lines of the print's host are not the stream's for now.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -86,7 +86,12 @@ impl PausedStream {
 
     /// A line that is not the stream's is carried out.
     pub const fn note_foreign(&mut self, command: &Command<'_>) {
-        if matches!(command, Command::Motion(_) | Command::Setting(_)) {
+        let is_of_program = match command {
+            Command::Motion(_) | Command::Setting(_) => true,
+            Command::Own(command) => matches!(command.nature(), Nature::Mode),
+            _ => false,
+        };
+        if is_of_program {
             self.detour = Detour::Foreign;
         }
     }

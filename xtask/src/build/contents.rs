@@ -2,7 +2,8 @@
 
 use super::Elf;
 use anyhow::{Result, bail};
-use corehbot::gcode::{self, Treatment};
+use corehbot::gcode::Treatment;
+use corehbot::machine;
 use corehbot::settings::table;
 use object::elf::{SHF_ALLOC, SHT_NOBITS};
 use object::read::elf::ElfSection32;
@@ -111,7 +112,7 @@ fn texts_for_people(elf: &Elf<'_>) -> Option<String> {
 /// What settings mean, and what codes do. The reference to refused codes has the words of their answers.
 fn texts() -> impl Iterator<Item = &'static str> {
     let settings = table::described().flat_map(|(_, text)| text.meaning.iter().copied());
-    let codes = gcode::described().filter(|line| line.text.treatment != Treatment::Refused);
+    let codes = machine::described().filter(|line| line.text.treatment != Treatment::Refused);
     settings.chain(codes.map(|line| line.text.does))
 }
 

@@ -2,11 +2,17 @@
 
 use super::asker::{answers, answers_of};
 use super::plain_lines::plain_lines;
-use super::table::{ELSEWHERE, ROWS};
-use corehbot::gcode::{Command, names, parse};
+use super::table::{ELSEWHERE, ROWS, Row};
+use corehbot::gcode::{Command, names};
+use corehbot::machine::{examples, parse};
 use corehbot::protocol::BUSY_PAUSED;
 use corehbot_machine_file as machine_file;
 use std::collections::BTreeSet;
+
+/// The rows of the table, and the examples of commands that have their own.
+fn rows() -> impl Iterator<Item = Row> {
+    ROWS.iter().copied().chain(examples())
+}
 
 fn fits(heard: &str, pattern: &str) -> bool {
     match pattern.strip_suffix('*') {
@@ -17,14 +23,14 @@ fn fits(heard: &str, pattern: &str) -> bool {
 
 #[test]
 fn every_command_is_answered_as_the_table_says() {
-    for (line, expected) in ROWS {
+    for (line, expected) in rows() {
         let heard = answers(&[line]);
         let (oks, said): (Vec<_>, Vec<_>) = heard.iter().partition(|heard| heard.starts_with("ok"));
         // An answer to M108 follows that to the wait which it ended.
         let asked = 1 + usize::from(heard.iter().any(|heard| heard == BUSY_PAUSED));
         assert_eq!(oks.len(), asked, "{line}: {heard:?}");
         assert_eq!(said.len(), expected.len(), "{line}: {heard:?}");
-        assert!(said.iter().zip(*expected).all(|(heard, pattern)| fits(heard, pattern)), "{line}: {heard:?}");
+        assert!(said.iter().zip(expected).all(|(heard, pattern)| fits(heard, pattern)), "{line}: {heard:?}");
         assert!(!heard.iter().any(|heard| heard.contains("Unknown")), "{line}: {heard:?}");
     }
 }
@@ -60,7 +66,7 @@ fn every_known_code_and_name_has_a_row() {
     let codes = codes.filter(|code| !matches!(parse(code.as_bytes()), Command::Unknown(_)));
     let known: Vec<_> = codes.chain(names().map(str::to_owned)).collect();
     let plain: Vec<_> = plain_lines().into_values().collect();
-    let lines = || ROWS.iter().map(|(line, _)| *line).chain(plain.iter().map(String::as_str));
+    let lines = || rows().map(|(line, _)| line).chain(plain.iter().map(String::as_str));
     let has_row = |code: &String| lines().any(|line| begins(line, code));
     let without: BTreeSet<_> = known.into_iter().filter(|code| !has_row(code)).collect();
     assert_eq!(without, ELSEWHERE.map(|(code, _)| code.to_owned()).into(), "a row, or a place in ELSEWHERE");

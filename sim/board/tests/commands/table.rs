@@ -1,4 +1,5 @@
-//! The table: a line, and the answer before its `ok`.
+//! The table: a line, and the answer before its `ok`. Commands with all of it in one file have it there, as examples
+//! (`corehbot::machine::examples`).
 
 use corehbot::protocol::BUSY_PAUSED;
 
@@ -57,11 +58,8 @@ pub const ROWS: &[Row] = &[
     ("M220", &["FR:100%"]),
     ("M220 B", SILENCE),
     ("M220 R", SILENCE),
-    ("M221 S95", SILENCE),
-    ("M221", &["echo:E0 Flow: 100%"]),
     ("T0", SILENCE),
     ("T1", &["echo:T1 Invalid extruder"]),
-    ("M221 T1 S50", &["echo:M221 ignored: there is no extruder 1"]),
     ("Tx", SILENCE),
     // Waiting for the user.
     ("M0", PAUSED),
@@ -142,7 +140,6 @@ pub const ROWS: &[Row] = &[
     ),
     ("M208 S-1", &["echo:M208 ignored: S-1 is out of range (0 to 100), stays 0"]),
     ("M220 S5", &["echo:M220 S5 is out of range, set to 10"]),
-    ("M221 S5000", &["echo:M221 ignored: S5000 is out of range (10 to 999), stays 100"]),
     ("M113 S99", &["echo:M113 S99 is out of range, set to 60"]),
     ("M155 S99", &["echo:M155 S99 is out of range, set to 60"]),
     ("M123 S61", &["echo:M123 S61 is out of range, set to 60"]),
@@ -220,8 +217,6 @@ pub const ROWS: &[Row] = &[
     ("M105", &[]),
     ("M110 N5", SILENCE),
     ("M110", &["Line: 0"]),
-    ("M111 S6", SILENCE),
-    ("M111", &["echo:DEBUG:off"]),
     ("M113 S2", SILENCE),
     ("M113", &["echo:M113 S2"]),
     ("M114", &["X:100.00 Y:100.00 Z:50.00 E:0.00 C:0.00 Count A:16000 B:0 Z:40000"]),
@@ -326,9 +321,6 @@ pub const ROWS: &[Row] = &[
     ("M710 S999", &["echo:M710 S999 is out of range, set to 255"]),
     ("M710 I1", &["echo:M710 I is not supported by this firmware"]),
     ("M710 R", SILENCE),
-    ("M302", &["echo:Cold extrudes are enabled"]),
-    ("M302 S170", &["echo:Cold extrudes are enabled, and cannot be forbidden without a heater"]),
-    ("M302 P1", &["echo:Cold extrudes are enabled"]),
     ("M141 S40", SILENCE),
     ("M142 S36", SILENCE),
     ("M191 S40", SILENCE),

@@ -1,0 +1,32 @@
+//! Words in the file of a command: a function that says them, and the values that the command keeps for itself.
+
+use super::speaker::Speaker;
+use crate::settings::Settings;
+
+/// What words may depend on. Settings are read when the answer is written.
+pub(in crate::machine) struct Facts<'f> {
+    pub settings: &'f Settings,
+    /// The number that the command keeps for itself.
+    pub number: i32,
+}
+
+/// Says the words.
+pub(in crate::machine) type Say = fn(&mut Speaker<'_>, &Facts<'_>);
+
+/// An answer with words of its own.
+#[derive(Clone, Copy)]
+pub(in crate::machine) struct Says {
+    say: Say,
+    number: i32,
+}
+
+impl Says {
+    pub const fn new(say: Say, number: i32) -> Self {
+        Self { say, number }
+    }
+
+    /// Says it to `to`.
+    pub fn write(&self, to: &mut Speaker<'_>, settings: &Settings) {
+        (self.say)(to, &Facts { settings, number: self.number });
+    }
+}

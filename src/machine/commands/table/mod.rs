@@ -1,0 +1,120 @@
+//! The table of commands: a file each, with all of a command.
+//!
+//! | part of a file | is |
+//! |---|---|
+//! | `ENTRY` | its codes, the rules for their words, its line of docs/reference/gcode.md, and examples with their answers |
+//! | `carry_out` | its effect, at once; the result is its answer |
+//!
+//! Words of an answer are functions in the same file ([`Says`](crate::machine::answers::says::Says)). A command that
+//! waits is an arm of its family, one folder up.
+
+mod cold_extrusion;
+mod debug_flags;
+mod flow_percent;
+
+use super::states::States;
+use crate::gcode::{self, Command, Example, Line, OwnCommand, OwnEntry, OwnRow, parse_with};
+use crate::machine::answers::answer::Answer;
+use crate::machine::main_loop::MainLoop;
+use crate::machine::ports::PortSet;
+use crate::port::Pend;
+use core::marker::PhantomData;
+
+/// The list, from which both tables are made.
+macro_rules! list {
+    ($($file:ident,)*) => {
+        const ENTRIES: &[OwnEntry] = &[$($file::ENTRY),*];
+
+        impl<P: PortSet, W: Pend> Effects<P, W> {
+            const ALL: [Effect<P, W>; ENTRIES.len()] = [$($file::carry_out),*];
+        }
+    };
+}
+
+list! {
+    cold_extrusion,
+    debug_flags,
+    flow_percent,
+}
+
+/// Carries out a command, and returns its answer.
+type Effect<P, W> = for<'m, 'a> fn(&mut MainLoop<'m, P, W>, &mut States, &OwnCommand<'a>) -> Answer<'a>;
+
+/// The effects of the commands, in their order.
+struct Effects<P, W>(PhantomData<(P, W)>);
+
+/// The rows without what an image does not need.
+static ROWS: [OwnRow; ENTRIES.len()] = {
+    let mut rows = [ENTRIES[0].row(); ENTRIES.len()];
+    let mut place = 0;
+    while place < rows.len() {
+        rows[place] = ENTRIES[place].row();
+        place += 1;
+    }
+    rows
+};
+
+/// Carries out a command of the table.
+pub(in crate::machine) fn carry_out<'a, P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    states: &mut States,
+    command: &OwnCommand<'a>,
+) -> Answer<'a> {
+    Effects::<P, W>::ALL.get(command.place()).map_or(Answer::Nothing, |effect| effect(main_loop, states, command))
+}
+
+/// The command of a line, in the machine's own table or in that of `gcode`.
+///
+/// Never fails: an unknown command is [`Command::Unknown`].
+#[must_use]
+pub fn parse(line: &[u8]) -> Command<'_> {
+    parse_with(&ROWS, line)
+}
+
+/// Every row for people. Not for images: the texts would be in them.
+pub fn described() -> impl Iterator<Item = Line> {
+    gcode::described().chain(ENTRIES.iter().map(OwnEntry::line))
+}
+
+/// The codes that are known, as letters and numbers.
+pub fn codes() -> impl Iterator<Item = (char, u16)> {
+    let codes = |line: Line| line.codes.1.iter().map(move |number| (line.codes.0, *number));
+    gcode::codes().chain(ENTRIES.iter().map(OwnEntry::line).flat_map(codes))
+}
+
+/// Lines with their answers.
+pub fn examples() -> impl Iterator<Item = Example> {
+    ENTRIES.iter().flat_map(OwnEntry::its_examples)
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+    use std::collections::BTreeSet;
+    use std::string::String;
+
+    #[test]
+    fn every_code_stands_once() {
+        assert_eq!(codes().count(), codes().collect::<BTreeSet<_>>().len());
+    }
+
+    #[test]
+    fn every_command_has_an_example() {
+        for line in ENTRIES.iter().map(OwnEntry::line) {
+            let (letter, numbers) = line.codes;
+            for number in numbers {
+                let begins = |line: &str| line.split(' ').next() == Some(&std::format!("{letter}{number}") as &str);
+                assert!(examples().any(|(line, _)| begins(line)), "{letter}{number}");
+            }
+        }
+        let unknown: std::vec::Vec<String> =
+            examples().map(|(line, _)| line.into()).filter(|line: &String| !is_own(line)).collect();
+        assert!(unknown.is_empty(), "{unknown:?} belong to other rows");
+    }
+
+    fn is_own(line: &str) -> bool {
+        matches!(parse(line.as_bytes()), Command::Own(_) | Command::Malformed(_))
+    }
+}
