@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The packages whose tests are one program, and with these the core's second one.
-const PACKAGES: [&str; 3] = ["", "sim/board", "twin"];
+const PACKAGES: [&str; 4] = ["", "lab", "sim/board", "twin"];
 
 /// The files that a source file names as modules, by `mod NAME;`.
 fn modules_of(file: &Path) -> Vec<PathBuf> {
@@ -42,7 +42,7 @@ fn every_file_of_a_test_program_is_a_part_of_it() {
         sources(&package.join("tests"), &mut files);
         parts.extend(programs_of(package));
     }
-    assert!(files.len() > 200 && parts.len() == 4, "{} files, {} programs", files.len(), parts.len());
+    assert!(files.len() > 200 && parts.len() == 5, "{} files, {} programs", files.len(), parts.len());
     parts.extend(files.iter().flat_map(|file| modules_of(file)));
     let lone: Vec<_> = files.iter().filter(|file| !parts.contains(&file.canonicalize().unwrap())).collect();
     assert!(lone.is_empty(), "no parts of a test program: {lone:?}");

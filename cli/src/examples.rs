@@ -1,7 +1,7 @@
 //! Examples in the help of every command, by the words that call it.
 
 /// The words of each command, and what to type for frequent wishes.
-pub(crate) const EXAMPLES: [(&str, &[&str]); 39] = [
+pub(crate) const EXAMPLES: [(&str, &[&str]); 26] = [
     ("", &["corehbot run print.gcode --report print.html", "corehbot config from printer.cfg -o my-machine.toml"]),
     (
         "run",
@@ -30,29 +30,13 @@ pub(crate) const EXAMPLES: [(&str, &[&str]); 39] = [
     ("twin geometry", &["corehbot twin geometry --at 235,235"]),
     ("twin stiffness", &["corehbot twin stiffness --at 150,180 --machine my-machine.toml"]),
     ("twin modes", &["corehbot twin modes --model rotors --routing corexy"]),
-    ("twin push", &["corehbot twin push --force 5,0"]),
     ("twin slip", &["corehbot twin slip --motor 1"]),
-    ("twin jump", &["corehbot twin jump --speed 100,0"]),
     ("twin shaper", &["corehbot twin shaper --kind mzv --frequency 66 --ring 62.6"]),
     ("twin tension", &["corehbot twin tension --machine my-machine.toml"]),
-    ("twin misalignment", &["corehbot twin misalignment --off 12=1,0"]),
     ("twin resonance", &["corehbot twin resonance --report resonance.html"]),
     ("twin ripple", &["corehbot twin ripple --speeds 40-120 --at 100,100"]),
     ("twin limits", &["corehbot twin limits --machine my-machine.toml"]),
-    ("twin compare", &["corehbot twin compare print.gcode --report compare.html"]),
-    ("twin frame", &["corehbot twin frame"]),
-    ("twin figures", &["corehbot twin figures drawings"]),
-    ("twin parts", &["corehbot twin parts --speed 50,200"]),
-    (
-        "twin sweep",
-        &["corehbot twin sweep study.toml -o samples.csv", "corehbot twin sweep --vary belt_EA_N=20000:60000:5"],
-    ),
     ("twin fit", &["corehbot twin fit measured.toml"]),
-    ("twin compensate", &["corehbot twin compensate print.gcode -o led.gcode --machine my-machine.toml"]),
-    ("twin flow", &["corehbot twin flow print.gcode"]),
-    ("twin yin", &["corehbot twin yin --figure 4"]),
-    ("twin zigzag", &["corehbot twin zigzag --axis x"]),
-    ("twin level", &["corehbot twin level --routing corexyz-three"]),
     ("twin run", &["corehbot twin run print.gcode --model rotors --report run.html"]),
     ("resonance", &["corehbot resonance raw_data_x.csv raw_data_y.csv --report resonance.html"]),
     ("resonance sweep", &["corehbot resonance sweep --axis x --at 150,150 -o sweep-x.gcode"]),

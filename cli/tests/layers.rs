@@ -11,7 +11,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The folder of each crate, its name, and the crates that it may use: only those above it.
-const CRATES: [(&str, &str, &[&str]); 13] = [
+const CRATES: [(&str, &str, &[&str]); 15] = [
     (".", "corehbot", &[]),
     ("sim/rig", "corehbot-rig", &["corehbot"]),
     ("twin", "corehbot-twin", &[]),
@@ -35,6 +35,11 @@ const CRATES: [(&str, &str, &[&str]); 13] = [
         ],
     ),
     (
+        "questions",
+        "corehbot-questions",
+        &["corehbot", "corehbot-rig", "corehbot-twin", "corehbot-machine-file", "corehbot-sim", "corehbot-host"],
+    ),
+    (
         "report",
         "corehbot-report",
         &["corehbot", "corehbot-twin", "corehbot-resonance", "corehbot-machine-file", "corehbot-sim"],
@@ -54,6 +59,20 @@ const CRATES: [(&str, &str, &[&str]); 13] = [
         ],
     ),
     (
+        "lab",
+        "corehbot-lab",
+        &[
+            "corehbot",
+            "corehbot-rig",
+            "corehbot-twin",
+            "corehbot-machine-file",
+            "corehbot-sim",
+            "corehbot-host",
+            "corehbot-questions",
+            "corehbot-report",
+        ],
+    ),
+    (
         "cli",
         "corehbot-cli",
         &[
@@ -66,12 +85,38 @@ const CRATES: [(&str, &str, &[&str]); 13] = [
             "corehbot-sim",
             "corehbot-report",
             "corehbot-host",
+            "corehbot-questions",
         ],
     ),
 ];
 
+/// The houses, in their order: a crate uses crates of its own house and of those above. Docs: explanation/houses.md.
+const HOUSES: [(&str, &[&str]); 8] = [
+    ("the core", &["."]),
+    (
+        "what flies",
+        &[
+            "boards/nucleo",
+            "boards/octopus",
+            "boards/registry",
+            "chips/board-support",
+            "chips/cortex-m4",
+            "chips/stepgen",
+            "chips/stm32f446",
+            "chips/usb-device",
+            "chips/wiring",
+        ],
+    ),
+    ("the belt's twin", &["twin"]),
+    ("files", &["gcode-file", "machine-file"]),
+    ("the simulated machine", &["sim/board", "sim/rig"]),
+    ("the host", &["cli", "host", "page", "questions", "report", "resonance"]),
+    ("the laboratory", &["lab"]),
+    ("the bench", &["boards/qemu", "chips/usb-model", "emulator", "fuzz", "page/bind", "xtask", "xtask/manual"]),
+];
+
 /// The crates that may use a system.
-const ON_A_SYSTEM: [&str; 2] = ["host", "cli"];
+const ON_A_SYSTEM: [&str; 4] = ["host", "questions", "lab", "cli"];
 
 /// Parts of a system: threads, clocks, processes, temporary files, terminals. Only the command and its host's crate may
 /// use them: the others run in a browser too.
@@ -101,6 +146,37 @@ fn crates_use_only_those_above_them() {
         assert_eq!(used, expected, "{folder}/Cargo.toml");
         above.insert(name);
     }
+}
+
+/// The folders of all crates: those of the workspace, and those with a workspace of their own.
+fn crates() -> BTreeSet<String> {
+    let manifest: toml::Table = fs::read_to_string(folder_of(".").join("Cargo.toml")).unwrap().parse().unwrap();
+    let lists = ["members", "exclude"].map(|key| manifest["workspace"].get(key).and_then(toml::Value::as_array));
+    let folders = lists.into_iter().flatten().flatten().map(|folder| folder.as_str().unwrap().to_owned());
+    folders.chain([".".to_owned()]).collect()
+}
+
+/// The name of the crate in a folder.
+fn name_of(krate: &str) -> String {
+    let manifest: toml::Table = fs::read_to_string(folder_of(krate).join("Cargo.toml")).unwrap().parse().unwrap();
+    manifest["package"]["name"].as_str().unwrap().to_owned()
+}
+
+#[test]
+fn no_arrow_between_crates_leads_up_to_another_house() {
+    let housed: Vec<&str> = HOUSES.iter().flat_map(|(_, folders)| folders.iter().copied()).collect();
+    assert_eq!(housed.iter().map(|folder| (*folder).to_owned()).collect::<BTreeSet<_>>(), crates(), "a house for each");
+    let (mut known, mut arrows) = (BTreeSet::new(), 0);
+    for (house, folders) in HOUSES {
+        known.extend(folders.iter().map(|folder| name_of(folder)));
+        for folder in folders {
+            let used = dependencies(folder);
+            arrows += used.len();
+            let below: Vec<_> = used.difference(&known).collect();
+            assert!(below.is_empty(), "{folder} is in {house}, and uses {below:?} of a house below");
+        }
+    }
+    assert!(arrows > 60, "only {arrows} arrows found");
 }
 
 #[test]

@@ -80,12 +80,9 @@ fn a_wrong_input_of_any_option_is_told_with_its_way() {
         (place.display().to_string(), "this is a folder, not"),
     ];
     let image = place.join("out.bin").display().to_string();
-    let table = place.join("s.csv").display().to_string();
     for (wrong, words) in &wrong {
-        let cases: [(&[&str], i32, &str); 6] = [
-            (&["twin", "sweep", wrong, "-o", &table], 1, "a study"),
+        let cases: [(&[&str], i32, &str); 4] = [
             (&["twin", "fit", wrong], 1, "measurements"),
-            (&["twin", "yin", "--speed", "1", "--rig", wrong], 1, "a file of a rig"),
             (&["run", &gcode, "--machine", &heater, "--plant-heat", wrong], 2, "a file of heaters"),
             (&["run", &gcode, "--storage", wrong], 2, "stored settings"),
             (&["image", "--from", wrong, "-o", &image], 2, "an image of this firmware"),

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Runs a study of the belt's twin on a Dask cluster, one task a sample.
 
-A task is `corehbot twin sweep STUDY.toml --sample I`, which prints a line with a check in it. The lines are kept in the
-journal of the result, as `corehbot twin sweep STUDY.toml -o OUT.csv` keeps its own, and that command makes the table of
+A task is `corehbot-lab sweep STUDY.toml --sample I`, which prints a line with a check in it. The lines are kept in the
+journal of the result, as `corehbot-lab sweep STUDY.toml -o OUT.csv` keeps its own, and that command makes the table of
 them: the same bytes, whichever of the computers computed a sample, if all have one build and one kind of machine.
 """
 
@@ -30,9 +30,9 @@ class StudyError(Exception):
 
 
 def run(command, *words):
-    """The standard output of `corehbot twin sweep`."""
+    """The standard output of `corehbot-lab sweep`."""
     try:
-        done = subprocess.run([command, "twin", "sweep", *map(str, words)], capture_output=True, text=True)
+        done = subprocess.run([command, "sweep", *map(str, words)], capture_output=True, text=True)
     except OSError as error:
         raise StudyError(f"cannot run {command}: {error.strerror}") from error
     if done.returncode != 0:
@@ -145,7 +145,7 @@ def arguments():
     parser.add_argument("study", help="STUDY.toml, at this path on every worker")
     parser.add_argument("-o", "--output", required=True, help="OUT.csv; its journal stands beside it until it is whole")
     parser.add_argument("--parquet", help="the same table as Parquet")
-    parser.add_argument("--command", default="corehbot", help="the corehbot command, at this path on every worker")
+    parser.add_argument("--command", default="corehbot-lab", help="the corehbot-lab command, at this path on every worker")
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--scheduler", help="address of a Dask scheduler, as tcp://192.168.1.10:8786")
     where.add_argument("--workers", type=int, default=os.cpu_count(), help="without one: processes on this computer")

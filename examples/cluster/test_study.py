@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """A study on two worker processes, one of which is killed in the middle: no sample is lost, none counts twice.
 
-COREHBOT names the command.
+COREHBOT_LAB names the command.
 """
 
 import contextlib
@@ -24,7 +24,7 @@ from distributed import Client, LocalCluster
 
 import study
 
-COREHBOT = str(Path(os.environ.get("COREHBOT", "corehbot")).absolute())
+LAB = str(Path(os.environ.get("COREHBOT_LAB", "corehbot-lab")).absolute())
 
 SAMPLES = 24
 
@@ -58,11 +58,11 @@ class OnTwoWorkers(unittest.TestCase):
         (self.folder / "corner.gcode").write_text("G1 X120 F9000\nG1 Y120\nM400\n")
         self.log = self.folder / "begun"
         self.command = self.folder / "noting"
-        self.command.write_text(NOTING.format(log=self.log, command=COREHBOT))
+        self.command.write_text(NOTING.format(log=self.log, command=LAB))
         self.command.chmod(self.command.stat().st_mode | stat.S_IXUSR)
         self.output = self.folder / "out.csv"
         self.journal = self.folder / "out.csv.journal"
-        study.run(COREHBOT, self.study, "-o", self.folder / "alone.csv")
+        study.run(LAB, self.study, "-o", self.folder / "alone.csv")
         self.alone = (self.folder / "alone.csv").read_bytes()
 
     def begun(self):
@@ -117,8 +117,8 @@ class OnTwoWorkers(unittest.TestCase):
         self.assertFalse(self.journal.exists())
 
     def test_the_script_goes_on_where_a_journal_was_cut_and_writes_parquet(self):
-        plan = study.run(COREHBOT, self.study, "--plan")
-        lines = [study.sample(COREHBOT, self.study, i) for i in (7, 3, 5)]
+        plan = study.run(LAB, self.study, "--plan")
+        lines = [study.sample(LAB, self.study, i) for i in (7, 3, 5)]
         self.journal.write_text(plan + "".join(lines) + lines[0] + lines[1][:40])
         parquet = self.folder / "out.parquet"
         script = [sys.executable, "-B", study.__file__, self.study, "-o", self.output, "--parquet", parquet]
@@ -136,7 +136,7 @@ class OnTwoWorkers(unittest.TestCase):
         self.assertEqual(columns["machine"], ["corehbot"] * SAMPLES)
 
     def test_another_study_s_journal_and_a_second_process_are_refused(self):
-        plan = study.run(COREHBOT, self.study, "--plan").strip()
+        plan = study.run(LAB, self.study, "--plan").strip()
         with self.assertRaisesRegex(study.StudyError, "no journal of this study"):
             self.journal.write_text(plan.replace("24", "25") + "\n")
             study.Journal(self.journal, plan)
@@ -147,10 +147,10 @@ class OnTwoWorkers(unittest.TestCase):
             study.Journal(self.journal, plan)
         self.study.write_text(STUDY.replace("seed = 5", "seed = 6"))
         with self.assertRaisesRegex(study.StudyError, "computes another study"):
-            journal.keep(study.sample(COREHBOT, self.study, 0).strip())
+            journal.keep(study.sample(LAB, self.study, 0).strip())
 
     def test_where_files_cannot_be_locked_it_is_said_and_gone_on(self):
-        plan = study.run(COREHBOT, self.study, "--plan").strip()
+        plan = study.run(LAB, self.study, "--plan").strip()
         said = io.StringIO()
         refused = OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
         with mock.patch.object(study.fcntl, "flock", side_effect=refused), contextlib.redirect_stderr(said):

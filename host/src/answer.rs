@@ -97,3 +97,13 @@ pub fn say(text: &str, is_standard_taken: bool) -> Result<()> {
         written => written.context("cannot write the answer"),
     }
 }
+
+/// Writes a drawing, if one is asked for.
+///
+/// # Errors
+/// It cannot be written.
+pub fn drawn(outputs: &mut Outputs, path: Option<&Path>, draw: impl FnOnce() -> String) -> Result<()> {
+    let Some(path) = path else { return Ok(()) };
+    let mut out = outputs.open(path)?;
+    out.write_all(draw().as_bytes()).and_then(|()| out.flush()).context("cannot write the drawing")
+}

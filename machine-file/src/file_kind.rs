@@ -308,7 +308,7 @@ pub enum Wanted {
     Configuration,
     /// A recording of an accelerometer.
     Recording,
-    /// A study for `corehbot twin sweep`, in TOML.
+    /// A study for `corehbot-lab sweep`, in TOML.
     Study,
     /// Measurements for `corehbot twin fit`, in TOML.
     Measurements,

@@ -17,27 +17,17 @@
 //! | [`mod@print`] | the page of a print |
 //! | [`viewer`] | the script that shows a print |
 //! | [`twin`] | the pages of the twin |
-//! | [`misalignment`] | the twin's pulleys off their places, drawn |
 //! | [`resonance`] | the page of what an accelerometer measured |
 //! | [`svg`] | drawings and charts |
-//! | [`figures`] | the schematics of the CoreH-bot paper |
-//! | [`parts`] | errors of reference parts by speed |
-//! | [`yin`] | the figures of Yin et al. |
-//! | [`corexyz`] | zig-zag and levelling of a CoreXYZ |
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
-pub mod corexyz;
 pub mod ended;
 pub mod fault;
-pub mod figures;
-pub mod frame;
 pub mod heat_log;
 mod layers;
 pub mod mesh;
-pub mod misalignment;
 pub mod moves;
-pub mod parts;
 pub mod path;
 pub mod print;
 pub mod record;
@@ -48,4 +38,3 @@ pub mod svg;
 pub mod twin;
 mod varint;
 pub mod viewer;
-pub mod yin;

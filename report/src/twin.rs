@@ -30,12 +30,6 @@ const RUN: &str = include_str!("twin/run.js");
 /// The script of `twin resonance`.
 const RESONANCE: &str = include_str!("twin/resonance.js");
 
-/// The script of machines side by side (`twin compare`), for [`fill`].
-pub const COMPARE: &str = include_str!("twin/compare.js");
-
-/// The script of a study (`twin sweep`), for [`fill`].
-pub const STUDY: &str = include_str!("twin/study.js");
-
 /// The places for the style, the shared script, the data, and the page's own script.
 const MARKS: [&str; 4] = ["/*STYLE*/\n", "/*SHARED*/\n", "/*DATA*/", "/*PAGE*/\n"];
 
@@ -222,7 +216,7 @@ mod tests {
     fn the_frame_has_a_place_for_each_part_and_scripts_need_no_network() {
         assert_eq!(MARKS.map(|mark| FRAME.matches(mark).count()), [1; 4]);
         assert!(MARKS.map(|mark| FRAME.find(mark)).is_sorted());
-        for script in [SHARED, RUN, RESONANCE, COMPARE, STUDY] {
+        for script in [SHARED, RUN, RESONANCE] {
             assert!(!["http://", "https://", "fetch(", "</script", "<!--"].iter().any(|word| script.contains(word)));
         }
     }

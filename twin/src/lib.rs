@@ -12,6 +12,7 @@
 //! | room | job |
 //! |---|---|
 //! | [`math`] | sines, exponentials and roots with the same bits on every platform |
+//! | [`random`] | random numbers from a seed |
 //! | [`params`] | the machine's dimensions, masses and stiffnesses, with their sources |
 //! | [`routing`] | the run of the belts, as a table per machine |
 //! | [`description`] | a machine as its file has it: routing and numbers |
@@ -26,19 +27,14 @@
 //! | [`dynamics`] | the machine between two steps of its motors: forces, and the integration |
 //! | [`steps`] | the commanded steps: a trace, and the motor of each of its columns |
 //! | [`contour`] | the commanded line of the tool, and its distance from the tool |
-//! | [`compensation`] | steps, or chords for a planner, moved ahead by the tool's lag |
 //! | [`run`] | a played trace and its report |
-//! | [`parts`] | reference parts, and the errors of their dimensions |
-//! | [`sampling`] | the points of a parameter space that a study uses |
 //! | [`live`] | a machine that takes steps as they are made, with power, pushes and skips |
-//! | [`yin`] | Yin et al.'s CoreXY on a square, a model of its own |
 //!
 //! Misprints of the papers and their corrections: docs/research/twin.md.
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 pub mod calibration;
-pub mod compensation;
 pub mod contour;
 pub mod description;
 pub mod dynamics;
@@ -47,14 +43,12 @@ pub mod live;
 pub mod math;
 pub mod model;
 pub mod params;
-pub mod parts;
 pub mod queries;
+pub mod random;
 pub mod ripple;
 pub mod routing;
 pub mod run;
-pub mod sampling;
 pub mod shaping;
 pub mod solve;
 pub mod steps;
 pub mod torque;
-pub mod yin;

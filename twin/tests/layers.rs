@@ -3,8 +3,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-const ROOMS: [&str; 20] = [
+const ROOMS: [&str; 18] = [
     "math",
+    "random",
     "params",
     "routing",
     "description",
@@ -19,10 +20,7 @@ const ROOMS: [&str; 20] = [
     "dynamics",
     "steps",
     "contour",
-    "compensation",
     "run",
-    "parts",
-    "sampling",
     "live",
 ];
 

@@ -6,6 +6,7 @@ Arguments: corehbot.
 
 import math
 import subprocess
+from pathlib import Path
 
 from chromium import DESK, PHONE, Chromium, check
 from paper import check_paper
@@ -82,13 +83,14 @@ def pages(corehbot, folder):
     sweep = ["--sweep", f"{FROM_HZ}-{TO_HZ}", "--growth", str(HZ_PER_S)]
     orders = {
         "run": ["twin", "run", circle],
-        "compare": ["twin", "compare", "--grid", "3x3"],
+        "compare": ["compare", "--grid", "3x3"],
         "resonance": ["twin", "resonance", "--grid", "5x5"],
-        "study": ["twin", "sweep", "study.toml", "-o", "study.csv"],
+        "study": ["sweep", "study.toml", "-o", "study.csv"],
         "measured": ["resonance", "raw_data_x.csv", packed, *runs(folder), *sweep],
     }
     for name, words in orders.items():
-        ran = subprocess.run([corehbot, *map(str, words), "--report", f"{name}.html"], capture_output=True, text=True, cwd=folder)
+        program = Path(corehbot).with_name("corehbot-lab") if name in ("compare", "study") else corehbot
+        ran = subprocess.run([program, *map(str, words), "--report", f"{name}.html"], capture_output=True, text=True, cwd=folder)
         check(ran.returncode == 0, f"{words}: {ran.stdout}{ran.stderr}")
     return {name: folder / f"{name}.html" for name in orders}
 

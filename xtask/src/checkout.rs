@@ -33,6 +33,12 @@ pub fn build_command() -> Result<PathBuf> {
     Ok(target_dir()?.join("debug").join("corehbot").with_extension(std::env::consts::EXE_EXTENSION))
 }
 
+/// Builds `corehbot-lab` in the same way.
+pub fn build_laboratory() -> Result<PathBuf> {
+    run(cargo(["build", "--package", "corehbot-lab", "--package", "xtask"]))?;
+    Ok(target_dir()?.join("debug").join("corehbot-lab").with_extension(std::env::consts::EXE_EXTENSION))
+}
+
 /// The profile that images are built with.
 pub const FIRMWARE: &str = "firmware";
 

@@ -22,10 +22,10 @@ pub fn check() -> Result<Verdict> {
         let packages = packages.join(" ");
         format!("cannot install {packages} from PyPI, which takes python3 with venv and, the first time, a network")
     })?;
-    let simulator = checkout::build_command()?;
+    let laboratory = checkout::build_laboratory()?;
     let mut test = Command::new(venv.python()?);
     // No compiled files in the sources.
-    test.arg("-B").arg(root().join(TEST)).env("COREHBOT", simulator);
+    test.arg("-B").arg(root().join(TEST)).env("COREHBOT_LAB", laboratory);
     let output = test.output().with_context(|| format!("cannot run {}", checkout::words(&test)))?;
     // unittest writes everything to standard error.
     let words = String::from_utf8_lossy(&output.stderr);

@@ -1,10 +1,10 @@
 //! `twin fit`: fits numbers of a machine to measurements, in a file, or to frequencies on the command line.
 
 use super::calibrated::Calibrated;
-use super::setup::{FileArgs, MachineArgs};
 use anyhow::{Result, ensure};
 use clap::Args;
 use corehbot_host::answer::Json;
+use corehbot_questions::setup::{FileArgs, MachineArgs};
 use corehbot_twin::geometry::workspace;
 use corehbot_twin::routing::{Machine, Place};
 use corehbot_twin::shaping::fit::{Axis, Fit as Law, FitError, Measured, fit};

@@ -1,9 +1,9 @@
 //! `twin limits`: how hard the machine can be driven.
 
-use super::setup::{FileArgs, MachineArgs, ModelArg};
 use anyhow::Result;
 use clap::Args;
 use corehbot_host::answer::Json;
+use corehbot_questions::setup::{FileArgs, MachineArgs, ModelArg};
 use corehbot_twin::geometry::workspace;
 use corehbot_twin::queries::Setup;
 use corehbot_twin::queries::limits::Limits;

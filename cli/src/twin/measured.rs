@@ -2,10 +2,10 @@
 //!
 //! A number without an uncertainty of its own has the usual one of its kind (`Figure::usual_uncertainty`).
 
-use super::setup::syntax;
 use anyhow::{Context as _, Result, bail, ensure};
 use corehbot_host::input;
 use corehbot_machine_file::file_kind::Wanted;
+use corehbot_questions::setup::syntax;
 use corehbot_twin::calibration::{Direction, Figure, Measurement, Parameter, Weighed};
 use corehbot_twin::geometry::Workspace;
 use corehbot_twin::math::hypot;

@@ -1,61 +1,21 @@
 //! `twin run`: steps are played on the machine.
 
-use super::setup::{MachineArgs, parse_pair};
-use super::source::Source;
 use anyhow::{Context as _, Result};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use corehbot_host::answer::Json;
 use corehbot_host::input::Plate;
 use corehbot_host::printer::Printer;
 use corehbot_host::progress::Progress;
 use corehbot_host::say::note;
 use corehbot_host::stop::Stop;
+use corehbot_questions::play::{RunModel, played};
+use corehbot_questions::setup::{MachineArgs, parse_pair};
+use corehbot_questions::source::Source;
 use corehbot_report::twin as page;
-use corehbot_twin::dynamics::plant::Detail;
 use corehbot_twin::geometry::workspace;
 use corehbot_twin::params::Params;
 use corehbot_twin::routing::{Machine, Place};
-use corehbot_twin::run::report::Report;
-use corehbot_twin::run::watch::Watch;
-use corehbot_twin::run::{Run, RunError};
-use corehbot_twin::steps::StepTrace;
-use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
-use std::time::Instant;
-
-/// Parts that move besides the tool.
-#[derive(Clone, Copy, ValueEnum, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum RunModel {
-    /// Nothing: motors are where they were sent, idlers have no mass.
-    Reduced,
-    /// Idlers, each with its inertia.
-    Full,
-    /// Rotors in the sine of their fields, which may slip; idlers have no mass.
-    Rotors,
-    /// Rotors, and idlers each with its inertia; some five times slower.
-    FullRotors,
-}
-
-impl RunModel {
-    pub(super) const fn detail(self) -> Detail {
-        match self {
-            Self::Reduced => Detail { idlers: false, rotors: false },
-            Self::Full => Detail { idlers: true, rotors: false },
-            Self::Rotors => Detail { idlers: false, rotors: true },
-            Self::FullRotors => Detail { idlers: true, rotors: true },
-        }
-    }
-
-    pub(super) const fn name(self) -> &'static str {
-        match self {
-            Self::Reduced => "reduced",
-            Self::Full => "full",
-            Self::Rotors => "rotors",
-            Self::FullRotors => "full-rotors",
-        }
-    }
-}
 
 /// The file to play, and its machine.
 #[derive(Args)]
@@ -70,7 +30,7 @@ pub(crate) struct Play {
     /// Parts that move besides the tool.
     #[arg(long, value_enum, default_value = "reduced")]
     model: RunModel,
-    /// Measures errors against the path of this file, from which the played file was made (corehbot twin compensate).
+    /// Measures errors against the path of this file, from which the played file was made (corehbot-lab compensate).
     #[arg(long, value_name = "FILE")]
     against: Option<PathBuf>,
     /// The tool's place at the begin, in mm from motor 1's axis; without it, the place that the firmware assumes.
@@ -127,26 +87,4 @@ impl Play {
             None => firmware,
         }
     }
-}
-
-/// Plays steps on a machine. Errors are those from the line of other steps, if there are any. `go_on` gets the computed
-/// part, of 1, and returns whether to continue.
-pub(super) fn played(
-    machine: Machine,
-    params: &Params,
-    start: Place,
-    model: RunModel,
-    (steps, meant): (&StepTrace, Option<&StepTrace>),
-    go_on: impl FnMut(f64) -> bool,
-) -> Result<(Report, Watch), RunError> {
-    let begin = Instant::now();
-    let run = Run::new(machine, params, start, model.detail(), steps)?;
-    let run = match meant {
-        Some(meant) => run.against(meant)?,
-        None => run,
-    };
-    let watch = run.play(go_on)?;
-    let trace = (steps.duration_s(), steps.events.len());
-    let report = Report::new(machine, model.name(), params, &watch, trace, begin.elapsed().as_secs_f64());
-    Ok((report, watch))
 }

@@ -1,19 +1,16 @@
 //! `twin resonance`: frequencies over the reach.
 
-use super::setup::{FileArgs, MachineArgs, ModelArg};
 use anyhow::Result;
 use clap::Args;
 use corehbot_host::answer::Json;
 use corehbot_host::values::number;
+use corehbot_questions::setup::{FileArgs, MachineArgs, ModelArg, parse_grid};
 use corehbot_report::twin as page;
 use corehbot_twin::geometry::workspace;
 use corehbot_twin::queries::Setup;
 use corehbot_twin::queries::resonance::Resonance as Answer;
 use corehbot_twin::shaping::wall::Print;
 use std::path::PathBuf;
-
-/// Most columns or rows of a grid: some seconds.
-const MOST: usize = 200;
 
 /// `twin resonance`.
 #[derive(Args)]
@@ -55,11 +52,4 @@ impl Resonance {
             page::write_resonance(&mut outputs.open(path)?, (machine, self.model.name()), &answer)
         })
     }
-}
-
-/// `7x9`.
-pub(super) fn parse_grid(text: &str) -> Result<[usize; 2], String> {
-    let number = |part: &str| part.parse().ok().filter(|n| (2..=MOST).contains(n));
-    let pair = text.split_once('x').and_then(|(n, m)| Some([number(n)?, number(m)?]));
-    pair.ok_or_else(|| format!("`{text}` is not a grid like 7x7, of 2 to {MOST} columns and rows"))
 }

@@ -1,10 +1,10 @@
 //! `twin tension`: pitches of the belts' straight parts.
 
-use super::setup::{FileArgs, PlaceArgs};
 use anyhow::Result;
 use clap::Args;
 use corehbot_host::answer::Json;
 use corehbot_host::values::number;
+use corehbot_questions::setup::{FileArgs, PlaceArgs};
 use corehbot_twin::model::elastic::Freedom;
 use corehbot_twin::queries::Setup;
 use corehbot_twin::queries::tension::Tension as Answer;

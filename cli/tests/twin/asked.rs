@@ -1,22 +1,11 @@
 //! Figures that were computed independently (two solvers, closed forms), each asked on the command line and within 1 %:
-//! stiffness, modes, slips, pushes, a given shaper, a jump of speed, a lost step.
+//! stiffness, modes, slips, a given shaper, a lost step.
 
 use super::{complaint, file, json, near, twin};
 use std::process::Command;
 
 /// One per cent.
 const PART: f64 = 0.01;
-
-#[test]
-fn a_push_moves_the_tool_by_force_over_stiffness() {
-    let push = json("push --force 5,-4 --at 150,180");
-    assert!(near(&push["dx_mm"], 5.0 / 300.010, PART) && near(&push["dy_mm"], -4.0 / 282.963, PART), "{push}");
-    // Spans of 659.6 + 5 and 1009.6 - 5 mm at x = 150 share the force in the inverse of their lengths.
-    let (right, left) = (1004.6, 664.6);
-    let part = left / (left + right);
-    assert!(near(&push["tension_change_N"]["R"], -2.5 * part, PART), "{push}");
-    assert!(near(&push["tension_change_N"]["L"], 2.5 * (1.0 - part), PART), "{push}");
-}
 
 #[test]
 fn a_slip_next_to_the_middle_moves_the_tool_by_the_shares_of_the_sides() {
@@ -53,30 +42,6 @@ fn a_given_shaper_is_rated_at_a_given_vibration() {
     assert!(twin("shaper --kind MZV --frequency 60 --ring 60 --damping 0.5").status.success());
 }
 
-/// `v / w`, and the figures with idlers of an independent computation.
-#[test]
-fn a_jump_of_speed_rings_by_speed_over_angular_frequency() {
-    for (model, x, y) in [("reduced", (144.45, 110.182), (254.29, 62.587)), ("full", (146.9, 109.535), (262.2, 61.832))]
-    {
-        for (speed, axis, (amplitude, frequency)) in [("100,0", "x", x), ("0,100", "y", y)] {
-            let told = json(&format!("jump --speed {speed} --undamped --model {model} --at 235,235"));
-            let found = &told[axis];
-            assert!(
-                near(&found["amplitude_um"], amplitude, PART) && near(&found["frequency_Hz"], frequency, PART),
-                "{told}"
-            );
-            let other = &told[if axis == "x" { "y" } else { "x" }];
-            assert!(other["frequency_Hz"].is_null() && near(&other["amplitude_um"], 0.0, 1e-3), "{told}");
-        }
-    }
-    // Friction holds the tool back: 1 N of dry friction and 0.004 N s/mm against 278.4 N/mm.
-    let told = json("jump --speed 0,100 --model reduced --at 235,235");
-    let help = String::from_utf8(twin("jump --help").stdout).unwrap();
-    assert!(help.contains("of a single mode (--model reduced)") && help.contains("lag at constant speed"), "{help}");
-    assert!(near(&told["y"]["rest_um"], -1000.0 * 1.4 / 278.358, 0.02), "{told}");
-    assert!(complaint("jump --speed 3000,0").contains("the path takes"));
-}
-
 /// Lists with a number for each part of the machine, and room for the tool.
 #[test]
 fn numbers_that_do_not_fit_the_machine_are_refused() {
@@ -106,7 +71,7 @@ fn numbers_that_do_not_fit_the_machine_are_refused() {
 
 #[test]
 fn forces_slips_and_files_that_cannot_be_are_refused() {
-    for words in ["push --force 1e300,0", "slip --motor 1 --full-steps 1e9", "slip --motor 1 --full-steps=-10001"] {
+    for words in ["slip --motor 1 --full-steps 1e9", "slip --motor 1 --full-steps=-10001"] {
         assert_eq!(twin(words).status.code(), Some(2), "{words}");
     }
     for words in

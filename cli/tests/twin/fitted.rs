@@ -1,36 +1,11 @@
-//! Parameters: one is varied, and others are found from measurements.
+//! Parameters are found from measurements.
 
 use super::{complaint, file, json, near, twin};
 use serde_json::Value;
 use std::path::Path;
 
 #[test]
-fn a_number_is_varied_and_belts_and_motors_are_found_from_frequencies() {
-    let swept = json("sweep --vary belt_EA_N=20000:60000:3");
-    let rows = swept["rows"].as_array().unwrap();
-    assert!(rows.len() == 3 && near(&rows[2]["Kxx_N_per_mm"], 3.0 * rows[0]["Kxx_N_per_mm"].as_f64().unwrap(), 1e-9));
-    let gcode = file("swept.gcode", "G1 X120 F9000\nG1 Y120\nM400\n");
-    let words = format!("sweep {} --vary head_mass_kg=0.4:0.8:2 --assume-homed 100,100,0", gcode.display());
-    let played = json(&words);
-    let [light, heavy] = [0, 1].map(|i| played["rows"][i]["contour_max_mm"].as_f64().unwrap());
-    assert!(light < heavy, "{played}");
-    assert!(complaint("sweep --vary belt_EA=1:2:3").contains("belt_EA_N"));
-    assert_eq!(twin("sweep --vary belt_EA_N=1:2").status.code(), Some(2));
-    // The page of one number, of another machine too; a study names its machines in its file.
-    let page = file("swept.html", "");
-    json(&format!("sweep --vary belt_EA_N=20000:60000:3 --routing corexy --report {}", page.display()));
-    let text = std::fs::read_to_string(&page).unwrap();
-    let data = text.split_once("const D = ").unwrap().1.split_once(";\n").unwrap().0;
-    let data: Value = serde_json::from_str(data).unwrap();
-    let values: Vec<_> = data["points"].as_array().unwrap().iter().map(|point| point["values"][0].clone()).collect();
-    assert_eq!((&data["file"], &data["machines"][0]), (&Value::from("belt_EA_N"), &Value::from("CoreXY")), "{data}");
-    assert_eq!(values, [20_000.0, 40_000.0, 60_000.0].map(Value::from));
-    let study = file(
-        "swept.toml",
-        "compute = [\"stiffness\"]\nmethod = \"grid\"\n[vary]\nbelt_EA_N = { from = 1, to = 2, count = 2 }\n",
-    );
-    let words = format!("sweep {} --routing corexy --report {}", study.display(), page.display());
-    assert!(complaint(&words).contains("needs an output"));
+fn belts_and_motors_are_found_from_frequencies() {
     // The model's own numbers must follow from the model's own ringing, given to a hundredth of a hertz.
     let rung = [[235.0, 235.0], [60.0, 50.0]].map(|[x, y]| {
         let modes = json(&format!("modes --model rotors --at {x},{y}"));
@@ -122,13 +97,10 @@ fn a_machine_of_two_belts_is_fitted_from_all_kinds_of_measurements() {
         let place = modes["of"].as_array().unwrap().iter().position(|of| of == axis).unwrap();
         modes["frequencies_Hz"][place].as_f64().unwrap()
     };
-    let push = |force: &str| {
-        let words =
-            format!("push --model rotors --yaw --routing corexy --force {force} --machine {}", machine.display());
-        let pushed = json(&words);
-        ["dx_mm", "dy_mm"].map(|key| pushed[key].as_f64().unwrap())
-    };
-    let [a, b] = [push("14.1421,-14.1421"), push("14.1421,14.1421")];
+    let stiffness = json(&format!("stiffness --model rotors --yaw --routing corexy --machine {}", machine.display()));
+    let [xx, xy, yy] = ["Kxx", "Kxy", "Kyy"].map(|k| stiffness[format!("{k}_N_per_mm")].as_f64().unwrap());
+    let push = |[x, y]: [f64; 2]| [yy * x - xy * y, xx * y - xy * x].map(|moved| moved / (xx * yy - xy * xy));
+    let [a, b] = [push([14.1421, -14.1421]), push([14.1421, 14.1421])];
     let [a, b] = [(a[0] - a[1]) * 0.5_f64.sqrt(), (b[0] + b[1]) * 0.5_f64.sqrt()];
     let mode = |hz: f64| {
         format!("{{\"frequency_Hz\": {hz}, \"frequency_error_Hz\": 0.1, \"damping_ratio\": 0.05, \"part\": 0.9}}")

@@ -3,12 +3,8 @@
 #![allow(clippy::unwrap_used)]
 
 mod asked;
-mod compensated;
-mod drawn;
 mod fitted;
 mod keys;
-mod papers;
-mod parts;
 mod played;
 mod questions;
 
@@ -105,14 +101,8 @@ fn an_output_that_cannot_be_written_is_refused_before_the_computation() {
     let page = "--report nofolder/r.html";
     for words in [
         format!("run nothing.gcode {page}"),
-        format!("compare nothing.gcode {page}"),
-        format!("sweep --vary belt_EA_N=20000:56000:2 nothing.gcode {page}"),
         format!("resonance --grid 200x200 {page}"),
-        "compensate nothing.gcode -o nofolder/c.gcode".to_owned(),
-        "flow nothing.gcode --json nofolder/f.json".to_owned(),
         "ripple --step 0.2 --angle-step 1 --svg nofolder/r.svg".to_owned(),
-        "yin --figure 5 --svg nofolder/y.svg".to_owned(),
-        "parts --svg nofolder/p.svg".to_owned(),
     ] {
         let told = complaint(&words);
         assert!(told.contains("cannot create nofolder/") && !told.contains("nothing.gcode"), "{words}: {told}");

@@ -17,12 +17,6 @@ fn points_are_answered_with_units_in_the_keys() {
     assert!(near(&slip["motor_torque_mNm"][3], -179.2, 5e-3), "{slip}");
     let half = json("slip --motor 1 --at 235,235 --full-steps 2");
     assert!(near(&half["dx_mm"], -0.09975, 5e-3), "{half}");
-    let yin = json("yin --speed 0.079 --model 4dof");
-    assert!(near(&yin["x_to_y_mm"], 0.7690, 5e-3) && near(&yin["y_to_x_mm"], 0.1962, 5e-3), "{yin}");
-    assert!(complaint("yin --speed 7").contains("speed"));
-    assert!(complaint("yin --speed 0.02 --friction -1").contains("the factor of friction, -1, is outside"));
-    let push = json("push --force 5,-5 --routing corexy --at 147.5,339.4");
-    assert!(push["dx_mm"].as_f64().unwrap() > 0.0 && push["residual_mm"].is_null(), "{push}");
     let geometry = json("geometry");
     assert!(near(&geometry["belt_lengths_mm"][0], 3593.091, 1e-6), "{geometry}");
     assert_eq!(geometry["segments"].as_array().unwrap().len(), 14);
@@ -125,29 +119,6 @@ fn tensions_and_ripple_are_told_of_any_routing() {
 }
 
 #[test]
-fn mechanisms_are_compared_on_an_area_and_on_a_file() {
-    let plain = json("compare --grid 5x5");
-    let machines = plain["machines"].as_array().unwrap();
-    let deflections: Vec<f64> = machines.iter().map(|m| m["deflection_um"].as_f64().unwrap()).collect();
-    assert!(deflections[0] < deflections[1] && deflections[0] < deflections[2], "{plain}");
-    assert!(plain.get("runs").is_none());
-    let gcode = file("side.gcode", "G1 X130 F12000\nG1 Y130\nM400\n");
-    let page = gcode.with_file_name("compare.html");
-    let words = format!("compare {} --grid 3x3 --assume-homed 100,100,0 --report {}", gcode.display(), page.display());
-    let played = json(&words);
-    let page = std::fs::read_to_string(page).unwrap();
-    assert!(
-        page.contains("side.gcode") && page.contains("\"racking_y_um_per_m_s2\"") && !page.contains("/*PAGE*/"),
-        "{page}"
-    );
-    let errors: Vec<f64> =
-        played["runs"].as_array().unwrap().iter().map(|r| r["contour"]["max_mm"].as_f64().unwrap()).collect();
-    assert!(errors.len() == 3 && errors.iter().all(|e| *e > 0.001 && *e < 0.2), "{errors:?}");
-    let wide = file("wide.gcode", "G1 X385 F12000\nM400\n");
-    assert!(complaint(&format!("compare {}", wide.display())).contains("H-bot: the path takes"));
-}
-
-#[test]
 fn limits_are_told_for_an_error_and_a_part_of_the_torque() {
     let told = json("limits --model reduced --error 0.05");
     assert!(near(&told["x"]["speed_jump_mm_s"], 2.0 * 17.307, 1e-3), "{told}");
@@ -220,20 +191,11 @@ fn limits_and_resonance_are_told_for_every_machine_file() {
 }
 
 #[test]
-fn a_soft_frame_is_told_and_the_torque_on_it() {
+fn a_soft_frame_is_told() {
     let soft = file("soft.toml", "[twin]\nframe_stiffness_N_per_mm = [400, 900]\n");
     let limits = json(&format!("limits --model reduced --machine {}", soft.display()));
     assert!(near(&limits["frame_um_per_m_s2"][1], 2.0, 1e-9), "{limits}");
     let resonance = json(&format!("resonance --model reduced --grid 3x3 --machine {}", soft.display()));
     assert!(near(&resonance["frame"][0]["band_Hz"][0], 29.25, 2e-3), "{resonance}");
     assert!(near(&resonance["frame"][1]["part"], 0.161, 1e-2), "{resonance}");
-    let compared = json(&format!("compare --grid 2x2 --machine {}", soft.display()));
-    let [core, hbot, corexy] = [0, 1, 2].map(|i| compared["machines"][i]["frame_torque_x"].clone());
-    assert!(core["belts_mNm_per_m_s2"].as_f64().unwrap().abs() < 1e-9, "{core}");
-    assert!(near(&core["printed_mNm_per_m_s2"], 3.81, 1e-6), "{core}");
-    assert!(
-        near(&hbot["belts_mNm_per_m_s2"], 3.81, 1e-6) && near(&corexy["rotors_mNm_per_m_s2"], 1.7008, 1e-4),
-        "{corexy}"
-    );
-    assert!(compared["machines"][0]["frame_modes_Hz"].is_array(), "{compared}");
 }

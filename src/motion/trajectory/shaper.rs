@@ -121,7 +121,7 @@ const EVEN: f32 = 3.464_102;
 
 /// The part of that length which suits a shaper. Where the tool turns, x and y are both between two speeds, so its path
 /// is slower than the speed of the plan through the shaper, and a shorter window follows it better. A still shorter one
-/// starves the bead behind corners. Measured: `corehbot twin flow`, docs/explanation/shaping.md#the-window.
+/// starves the bead behind corners. Measured: `corehbot-lab flow`, docs/explanation/shaping.md#the-window.
 const FITTING: f32 = 0.78;
 
 /// Window where an axis has no shaper, in s. The extruder's motor must not be asked for jumps, and the nozzle itself

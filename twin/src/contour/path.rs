@@ -91,7 +91,8 @@ impl PathBuilder {
 }
 
 /// Nearest point on a line (0 at its begin, 1 at its end), and its distance.
-pub(crate) fn nearest(a: [f64; 2], b: [f64; 2], point: [f64; 2]) -> (f64, f64) {
+#[must_use]
+pub fn nearest(a: [f64; 2], b: [f64; 2], point: [f64; 2]) -> (f64, f64) {
     let (along, to) = ([b[0] - a[0], b[1] - a[1]], [point[0] - a[0], point[1] - a[1]]);
     let square = along[0] * along[0] + along[1] * along[1];
     let way = if square > 0.0 { ((to[0] * along[0] + to[1] * along[1]) / square).clamp(0.0, 1.0) } else { 0.0 };

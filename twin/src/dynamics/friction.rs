@@ -5,7 +5,7 @@ use super::plant::{BRAKED_IN_S, Plant};
 use crate::math::{hypot, tanh};
 
 /// Dry friction changes its sign over this speed, in mm/s.
-pub(crate) const CREEP: f64 = 1.0;
+pub const CREEP: f64 = 1.0;
 
 impl Plant {
     /// Guides: viscous and dry friction.

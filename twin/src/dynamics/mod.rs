@@ -12,7 +12,7 @@
 //! | [`plant`] | forces and masses |
 //! | `field` | the pull of a motor on its rotor |
 //! | `failing` | broken cords, and pulleys that slip |
-//! | `friction` | of guides, brakes and obstacles |
+//! | [`friction`] | of guides, brakes and obstacles |
 //! | `frame` | a soft frame on the ground |
 //! | `bears` | loads of belts, motors, guides and frame |
 //! | [`outside`] | power, phases, pushes and friction |
@@ -22,7 +22,7 @@ mod bears;
 pub(crate) mod failing;
 mod field;
 mod frame;
-pub(crate) mod friction;
+pub mod friction;
 pub mod outside;
 pub mod plant;
 pub mod state;

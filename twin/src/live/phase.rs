@@ -4,7 +4,7 @@
 //! away in either direction. All are equally likely, because nothing has aligned the rotor with its field.
 
 use crate::params::Params;
-use crate::sampling::random::Random;
+use crate::random::Random;
 
 /// Full steps to each side.
 const MOST_FULL_STEPS: f64 = 2.0;

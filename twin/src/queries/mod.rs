@@ -1,31 +1,21 @@
 //! Queries: answers as tables for people, and as figures with units in their names for programs.
 //!
 //! Each file is one question. About one place of the tool: [`geometry`], [`stiffness`], [`modes`], [`push`], [`slip`],
-//! [`tension`], [`ripple`], [`misalignment`]. About the whole reach: [`resonance`], [`compare`], [`limits`],
-//! [`torque`]. [`frame`] has the torque on the frame, [`soft_frame`] its vibration. [`paper`] compares the CoreH-bot
-//! paper with the model, and [`shaper`] rates a shaper. [`zigzag`] and [`level`] answer Carlyle about his CoreXYZ, with
-//! sentences of papers as [`claim`]s.
+//! [`tension`], [`ripple`]. About the whole reach: [`resonance`], [`limits`], [`torque`]. [`shaper`] rates a shaper.
+//! [`strain`] is what push and slip have in common. The laboratory has more questions.
 
-pub mod claim;
-pub mod compare;
-pub mod frame;
 pub mod geometry;
-pub mod level;
 pub mod limits;
-pub mod misalignment;
 pub mod modes;
-pub mod paper;
 pub mod push;
 pub mod resonance;
 pub mod ripple;
 pub mod shaper;
 pub mod slip;
-pub mod soft_frame;
 pub mod stiffness;
-mod strain;
+pub mod strain;
 pub mod tension;
 pub mod torque;
-pub mod zigzag;
 
 use crate::geometry::workspace;
 use crate::model::elastic::{Elastic, Freedom};
@@ -55,11 +45,15 @@ impl Setup {
         Self { machine, params, tool, freedom: Freedom::default() }
     }
 
-    pub(crate) fn elastic(&self) -> Elastic {
+    /// The model of it.
+    #[must_use]
+    pub fn elastic(&self) -> Elastic {
         Elastic::new(self.machine, &self.params, self.tool, self.freedom)
     }
 
-    pub(crate) const fn at(&self) -> At {
+    /// What an answer says about it.
+    #[must_use]
+    pub const fn at(&self) -> At {
         At { machine: self.machine.key(), x_mm: self.tool.x, y_mm: self.tool.y }
     }
 }
@@ -83,7 +77,8 @@ impl std::fmt::Display for At {
 }
 
 /// A number for people: no -0.
-pub(crate) fn shown(value: f64, digits: usize) -> String {
+#[must_use]
+pub fn shown(value: f64, digits: usize) -> String {
     let text = format!("{value:.digits$}");
     match text.strip_prefix('-') {
         Some(rest) if rest.chars().all(|c| matches!(c, '0' | '.')) => rest.to_owned(),

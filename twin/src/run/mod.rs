@@ -2,10 +2,8 @@
 //!
 //! [`Run`] moves the motors as the trace says and integrates the motion in between. Ten thousand times a second, which
 //! is 90 times a period of the faster axis, it looks at the tool's place and the loads of belts and motors ([`watch`]).
-//! [`series`] has these over time, and [`report`] is the output for people and programs. [`jump`] needs no trace:
-//! motors run at a constant speed at once.
+//! [`series`] has these over time, and [`report`] is the output for people and programs.
 
-pub mod jump;
 pub mod report;
 pub mod series;
 pub mod watch;

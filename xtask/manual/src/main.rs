@@ -83,6 +83,6 @@ mod tests {
             let text = text(&format!("completions/{name}"));
             assert!(text.contains("bringup") && text.contains("assume-homed"), "{name}");
         }
-        assert!(files.len() > 40);
+        assert!(files.len() > 28);
     }
 }

@@ -6,7 +6,7 @@
 //! has no torque left, the same at every speed, with [`NOISE`].
 
 use crate::tmc2209::{SG_RESULT, TPWMTHRS, Tmc2209, gconf};
-use corehbot_twin::sampling::random::Random;
+use corehbot_twin::random::Random;
 
 /// SG_RESULT of a motor that bears nothing. Assumed.
 const FREE: f64 = 400.0;

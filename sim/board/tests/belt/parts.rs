@@ -7,7 +7,7 @@ use corehbot::settings::Settings;
 use corehbot_sim::belt::accident::Accidents;
 use corehbot_sim::belt::figures::BeltFigures;
 use corehbot_sim::belt::{BeltPlant, BeltSetup};
-use corehbot_twin::sampling::random::Random;
+use corehbot_twin::random::Random;
 use std::collections::BTreeMap;
 
 /// A full step, in mm.

@@ -12,7 +12,7 @@ use corehbot_sim::eeprom::Eeprom;
 use corehbot_sim::world::{Desk, run_at};
 use corehbot_twin::description::Description;
 use corehbot_twin::params::{Each, Params};
-use corehbot_twin::sampling::random::Random;
+use corehbot_twin::random::Random;
 
 /// Strain beside what is said, in mm: friction at rest in the twin's guides.
 const REST_MM: f64 = 0.004;

@@ -8,7 +8,7 @@ use corehbot_sim::belt::figures::SkipFigures;
 use corehbot_sim::belt::{BeltPlant, BeltSetup};
 use corehbot_twin::description::Description;
 use corehbot_twin::params::Params;
-use corehbot_twin::sampling::random::Random;
+use corehbot_twin::random::Random;
 use std::collections::BTreeMap;
 
 const START: [f64; 3] = [60.0, 40.0, 10.0];

@@ -15,7 +15,7 @@ use corehbot_sim::belt::{BeltPlant, BeltSetup};
 use corehbot_sim::world::Desk;
 use corehbot_twin::description::Description;
 use corehbot_twin::params::Params;
-use corehbot_twin::sampling::random::Random;
+use corehbot_twin::random::Random;
 
 /// Where the tool stands when the machine is switched on.
 const START: [f64; 3] = [60.0, 40.0, 10.0];
