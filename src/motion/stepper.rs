@@ -197,25 +197,31 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
                 return self.report_endstops();
             }
             let late = self.clock.now().since(self.due);
+            // An alarm that cannot be set has passed in between: then the event is due.
             if late.cast_signed() < 0 && self.clock.alarm(self.due) {
                 return self.report_endstops();
             }
             if !self.next.watch().is_empty() {
+                // Only when an event is due, so that every platform stops at the same one however often it looks.
                 let pressed = self.port.endstops().and(self.next.watch());
                 if !pressed.is_empty() {
                     self.status.set_triggered(pressed);
                     (self.ended, epoch) = (epoch, NO_EPOCH);
+                    // No event is of NO_EPOCH, so the next turn of this loop finds none and rests.
                     self.next = PackedEvent::RESTING;
                     self.pend.pend_generator();
                     continue;
                 }
             }
+            // The later events move with it: played at their own times, they would follow too close for the motors.
             if late.cast_signed() > MAX_LATE.cast_signed() {
                 self.status.count_late(late);
                 self.due = self.due.after(late);
                 self.set_lag(self.lag.wrapping_add(late), self.due);
             }
             if self.next.forward() != self.forward {
+                // Ahead of the steps, by the set-up time of `StepPort::dir`. The generator adds an event for this where
+                // there is time.
                 self.forward = self.next.forward();
                 self.port.dir(self.forward);
             }

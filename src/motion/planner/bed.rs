@@ -116,6 +116,7 @@ impl Bed {
         let Some(mesh) = self.mesh() else { return Demand::FLAT };
         let [along_x, along_y, up] = direction;
         let (along_x, along_y, up) = (along_x.abs(), along_y.abs(), up.abs());
+        // Most beds are so flat that they slow no level move, if the move before it is level, too.
         if up == 0.0 && turns_flat && self.is_gentle(wanted_accel, s) {
             return Demand::FLAT;
         }
@@ -130,10 +131,12 @@ impl Bed {
         let cells =
             mesh.heights().bounds([least_u - margin_u, least_v - margin_v], [most_u + margin_u, most_v + margin_v]);
         let Bounds { dx, dy, dxx, dxy, dyy } = cells.in_mm(self.rate);
+        // At its lower end, where the most of the surface counts.
         let [share, fading] = self.frame.fade_from(if from_z < to_z { from_z } else { to_z });
         let (x, y) = (share * dx, share * dy);
         // As z rises the slopes become less, which bends the way of z as well.
         let rate = if fading > 0.0 { 1.0 / mesh.fade().to_num::<f32>() } else { 0.0 };
+        // The height is share(z) times h(x, y). Of its second derivative this is the mixed term, 2 share' h'.
         let twist = 2.0 * (rate * up) * (along_x * dx + along_y * dy);
         let bend = share * (dxx * along_x * along_x + 2.0 * (dxy * along_x * along_y) + dyy * along_y * along_y);
         Demand { share: [x, y, 1.0 + fading], bend: bend + twist }

@@ -130,6 +130,7 @@ impl Geometry {
     pub fn new([x, y, z, e]: [Mm; 4]) -> Self {
         let (of_filament, (x, y, z)) = (Length::of(e), (x.to_bits(), y.to_bits(), z.to_bits()));
         let filament = mm(of_filament);
+        // Not the maximum: only the place of its highest bit counts.
         let largest = x.unsigned_abs() | y.unsigned_abs() | z.unsigned_abs();
         if largest == 0 {
             let extrusion = if e == Mm::ZERO { 0.0 } else { sign(e) };
@@ -144,8 +145,10 @@ impl Geometry {
             ((x >> down) as i32, (y >> down) as i32, (z >> down) as i32)
         };
         let square = |d: i32| (i64::from(d) * i64::from(d)).cast_unsigned();
+        // The largest has bit 30 set, so the sum is at least the 2^60 of `large_root`, and the root has 31 or 32 bits.
         let root = large_root(square(x) + square(y) + square(z));
         let (inverse, part) = (1.0 / root as f32, reciprocal(root));
+        // 2^61 / root times d, down by 31 bits, is d / root in units of 2^30. The added half rounds it.
         let component = |d: i32| ((i64::from(d) * i64::from(part) + (1 << 30)) >> 31) as i32;
         let unit = [component(x), component(y), component(z)];
         let direction = [x as f32 * inverse, y as f32 * inverse, z as f32 * inverse];

@@ -201,6 +201,7 @@ fn bend(before: &Geometry, after: &Geometry, curvature: &mut PathCurvature, acce
         most
     } else {
         let (leads, base) = (lead_length + past, least(base, first.base));
+        // From `v p = sqrt(8 a d)` of the head, with the leads as p.
         let of_bend = 8.0 * base / (leads * leads);
         let goes_on = curve.same_side > GOES_ON * turn_sq;
         least(most, corner([most, of_bend], [before, after], turn_sq, goes_on, max_accel, base))
@@ -210,7 +211,10 @@ fn bend(before: &Geometry, after: &Geometry, curvature: &mut PathCurvature, acce
     let gain = max_accel * after.size;
     let slow = least(least(most, 8.0 * base / (past * past)), accel_limits.max_speed * accel_limits.max_speed);
     let fast = if slow < gain { gain } else { slow };
+    // The way within BEND_TIME, if the tool accelerates all along. After a longer move the next corner is of another
+    // bend.
     let farthest = BEND_TIME * (root(slow) + 0.5 * BEND_TIME * accel_limits.acceleration);
+    // A lead is a change of velocity over the speed, so time t takes away a t / v. With t = L / v that is a L / v^2.
     let made_up = if after.size < farthest { MAKING_UP * gain / fast } else { f32::INFINITY };
     curvature.follow_lead(lead, lead_length, made_up);
     most

@@ -336,16 +336,20 @@ impl<'m> Planner<'m> {
         };
         let shares = Shares::new(vector.direction, vector.extrusion, &self.belts, &demand);
         let mut limits = Limits::of_acceleration(settings);
+        // Without a wanted speed: M220 may ask for a faster one while the move waits.
         let max_speed = shares.bound(f32::INFINITY, &Limits::of_speed(settings));
         let [_, _, of_z, _] = &mut limits.axes;
         let [max_speed, left] = bent_limits(&demand, max_speed, *of_z);
+        // Acceleration that z spends on the surface's curve is missing in ramps and corners.
         *of_z = left;
         if is_on_bed && is_faster_on_flat(vector, &self.belts, [max_speed, feed_speed(feed)], settings) {
             self.slowed_moves = self.slowed_moves.wrapping_add(1);
         }
         let wanted_accel = shares.bound(acceleration(most), &limits);
         let arc = Arc::new(settings.corner, wanted_accel, acceleration(most));
+        // The extruder limits ramps, but not corners: there the tool accelerates sideways, and the filament does not.
         let mut most = Most { acceleration: wanted_accel, speed: max_speed };
+        // For lines that print: not for retractions, nor for wipes that retract on their way.
         let advance = if vector.extrusion > 0.0 && !is_extruder_only { settings.advance.time } else { Seconds::ZERO };
         let jump = if self.pressure.is_in_use() {
             let flow = Flow { geometry: vector, advance: advance.to_num(), feed: feed_speed(feed) };
@@ -370,6 +374,7 @@ impl<'m> Planner<'m> {
                 spec: MoveSpec {
                     length: vector.length,
                     max_ramp_length,
+                    // Cut off, so never above the limit, and never 0, which would be a ramp without an end.
                     acceleration: MmPerSec2::from_bits((most.acceleration * 256.0) as u32).max(MmPerSec2::DELTA),
                     nominal: feed,
                     end: [x, y, z, e],
@@ -385,6 +390,7 @@ impl<'m> Planner<'m> {
                 advance,
             };
             planned.set_nominal(if has_overrides { self.wanted.of(feed) } else { feed });
+            // With the exit limit of the move before, which is replaced by its own in the next line.
             planned.limit_entry(self.last_exit_limit_sq);
             self.last_exit_limit_sq = planned.exit_limit_sq();
             self.waiting += u64::from(planned.nominal_ticks);

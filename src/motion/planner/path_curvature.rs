@@ -89,17 +89,21 @@ impl PathCurvature {
         let mut left = 1.0 / (1.0 + x * (1.0 + x * (0.5 + x * (const { 1.0 / 6.0 } + x * const { 1.0 / 24.0 }))));
         let (mut reach, mut inverse) = (REACH, const { 1.0 / REACH });
         let [x_ahead, y_ahead, z_ahead] = self.means[SCALES - 1];
+        // The mean is less the direction, so it points back: hence the minus. It is the mean before this corner.
         let same_side = -(x_ahead * turn_x + y_ahead * turn_y + z_ahead * turn_z);
         let mut bend = Bend { same_side, ..Bend::default() };
         let mut wider: Option<[f32; 3]> = None;
         for mean in &mut self.means {
             let [x, y, z] = *mean;
+            // The direction has turned, so the mean falls behind by the turn. Then the straight way lets it catch up.
             let [x, y, z] = [(x - turn_x) * left, (y - turn_y) * left, (z - turn_z) * left];
             *mean = [x, y, z];
             if let Some([wide_x, wide_y, wide_z]) = wider {
                 let [dx, dy, dz] = [x - wide_x, y - wide_y, z - wide_z];
                 let square = dx * dx + dy * dy + dz * dz;
                 let noise = ROUNDING * inverse;
+                // A scale counts if its curvature is greater than that of the longer ones. Their squares are compared,
+                // which spares the root of most.
                 let known = noise + bend.curvature * reach;
                 if square > known * known {
                     let size = root(square);

@@ -154,29 +154,37 @@ impl Pressure {
         let mut asked = Asked::of(q);
         let mut room = self.room;
         if q > 0.0 {
-            // Half of the window sees the ramp next to a move of the extruder alone.
+            // Half of the window sees the ramp next to a move of the extruder alone. Twice the least room is set aside,
+            // because jumps get half of the rest below.
             let share = least(v * (1.0 - 2.0 * LEAST_ROOM) - wanted, 2.0 * (v - before.alone_speed));
             let share = least(greatest(share, v * LEAST_PUSH), v * MOST_PUSH);
             limit(&mut most.acceleration, q, share);
+            // Twice, for the corner in which one ramp ends and the opposite one begins.
             limit(&mut most.acceleration, ratio + 2.0 * q * self.rate, a);
             if before.alone_accel > 0.0 {
                 let left = a - before.alone_accel - before.push * self.rate;
                 limit(&mut most.acceleration, q * self.rate, greatest(left, a * LEAST_CHANGE));
             }
+            // After all limits of the acceleration, and before those of the speed, which leave this much.
             asked.push = q * most.acceleration;
             room = greatest(0.5 * (v - wanted - asked.push), v * LEAST_ROOM);
             limit(&mut most.speed, ratio, v - asked.push - room);
         } else if ratio > 0.0 {
             let share = least(greatest(wanted, v * FREE), v * MOST_ALONE);
+            // Only half of the window sees the ramp before it.
             limit(&mut most.speed, ratio, least(share, v - 0.5 * before.push));
             let left = a * (1.0 - LEAST_CHANGE) - before.push * self.rate;
             limit(&mut most.acceleration, ratio, greatest(left, a * LEAST_CHANGE));
             (asked.alone_speed, asked.alone_accel) = (share, ratio * most.acceleration);
             room = greatest(0.5 * (v - wanted), v * LEAST_ROOM);
         }
+        // Before `q` and `room` become those of this move: the jump is from the last one. The corner has the lesser
+        // room of both.
         let jump = self.jump(&before.with(&asked), q, least(room, self.room), s);
         (self.q, self.room) = (q, room);
+        // The least time that the move can take, so needs are kept for at least a window.
         self.go_on(&asked, flow.geometry.size / most.speed);
+        // The filament's own speed jumps too where the line gets wider, with or without an advance.
         greatest((last.extrusion - flow.geometry.extrusion).abs(), jump)
     }
 

@@ -72,12 +72,17 @@ pub(in crate::motion) fn profile(
 ) -> (Move, f32) {
     let MoveSpec { length, max_ramp_length, acceleration: a, nominal, end, watch } = *spec;
     let nominal_sq = SpeedSq::of(nominal.into());
+    // Halves first: the gain of a long move is the greatest number, and a sum with it would overflow.
     let meet_sq = SpeedSq(entry_sq.0 / 2 + exit_sq.0 / 2 + SpeedSq::gained(a, max_ramp_length).0 / 2);
     let brakes_first = entry_sq > nominal_sq;
+    // At least 1: times below divide by the peak. It is no slower than the entry, unless the move brakes to its nominal
+    // speed.
     let least_sq = if brakes_first { SpeedSq(1) } else { entry_sq.max(SpeedSq(1)) };
+    // The exit overrules both: the next move was promised to begin with it.
     let peak_sq = nominal_sq.min(meet_sq).max(exit_sq).max(least_sq);
     let size = mm(length);
     let twice_a = acceleration(a) * 2.0;
+    // The next move gets this very number as its entry speed, so no rounding differs at the corner.
     let exit_speed = if exit_sq == entry_sq { entry_speed } else { root(square(exit_sq)) };
     // In the middle of a long ramp the peak is one of the ends, and its root known.
     let peak_speed = match peak_sq {
@@ -90,11 +95,14 @@ pub(in crate::motion) fn profile(
     // In integers, because a cruise may be long.
     let level = length.saturating_sub(length_of(rise.length)).saturating_sub(length_of(fall.length));
     let scale = const { WHOLE as f32 } / size;
+    // Two ramps that fill the move may be too long by their rounding. They must not overlap.
     let accelerated = ((rise.length * scale) as u32).min(WHOLE);
     let cruised = (WHOLE - ((fall.length * scale) as u32).min(WHOLE)).max(accelerated);
     // The rounding remainder of a move that only ramps fill is no cruise: it would have time, but no length.
     let cruise = match level {
         _ if cruised == accelerated => SubTicks::ZERO,
+        // Only a cruise at the nominal speed can be long. A move that does not reach it is short, and single precision
+        // will do.
         _ if peak_sq == nominal_sq => cruise_time(level, nominal),
         _ => long_time(mm(level) / peak_speed * const { TICKS_PER_SECOND as f32 }),
     };

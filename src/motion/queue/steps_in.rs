@@ -165,6 +165,7 @@ impl<'m> StepsIn<'m> {
     ) {
         let is_special = setting.has_watch() || self.slow.0 & Self::FIRST_TWO != 0;
         let word = if is_special { setting.special() } else { setting };
+        // Kept here until the run is whole: the store of the first event shows all of them.
         let first = [[AtomicU32::new(0), AtomicU32::new(0)]];
         let mut left = most as usize;
         let mut has_more = true;
@@ -172,8 +173,11 @@ impl<'m> StepsIn<'m> {
             // Events after the first are plain if possible, so a run ends before one that may not be.
             let longest = (self.len() / 4).max(SHORTEST_RUN);
             let begin = self.made as usize % SLOTS;
+            // Up to the next multiple of REGULAR, where an event must be special. The ring ends at one, so a run never
+            // wraps.
             let slots = self.queue.events.get(begin + 1..begin - begin % REGULAR as usize + REGULAR as usize);
             let slots = slots.unwrap_or_default();
+            // Less the first, which is not in its slot. Both are at least 1.
             let slots = slots.get(..left.min(longest) - 1).unwrap_or(slots);
             let mut run = Run { now: *now, word, slots: &first, next_slots: slots };
             while has_more && !run.is_full() {
@@ -184,6 +188,7 @@ impl<'m> StepsIn<'m> {
             }
             *now = run.now;
             let made = 1 + slots.len() - run.slots.len() - run.next_slots.len();
+            // No step was left: an empty run shows nothing.
             if made == 0 {
                 return;
             }

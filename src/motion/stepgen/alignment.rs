@@ -68,6 +68,7 @@ impl Alignment {
         is_flat: bool,
     ) -> (Position, Position) {
         let [x, y, z, e] = m.end;
+        // Commanded ends are compared, because real ones may be half a step aside.
         let before = core::mem::replace(&mut self.planned, [x, y, z]);
         let (mut begin, [.., advance]) = (*position, *position);
         let mut end = [x, y, z, e, advance.wrapping_add(m.advance)];
@@ -82,12 +83,14 @@ impl Alignment {
         }
         let is_long = moving != 0 && m.length >= LONG;
         if self.is_redundant {
+            // The counts may contradict each other here, so whole steps of the axes take their place (see the head).
             if is_long {
                 end.iter_mut().take(3).for_each(|at| *at = at.wrapping_round());
             }
             return (begin, end);
         }
         for (axis, sharing) in self.sharing.iter().enumerate() {
+            // Two axes on the same motors that both move make a slope, on which the motors' steps cannot coincide.
             if moving >> axis & 1 == 0 || *sharing == 0 || moving & sharing != 0 {
                 continue;
             }
@@ -96,6 +99,7 @@ impl Alignment {
                 continue;
             }
             if is_long {
+                // Motors that lag behind a shaper will come to the counts of the position.
                 let [x, y, z, _] = groups.position(counts.unwrap_or_else(|| counts_at(position, groups)));
                 let stands = [x, y, z];
                 for (other, stands) in stands.iter().enumerate().filter(|(other, _)| sharing >> other & 1 == 1) {

@@ -48,6 +48,7 @@ impl StepGenerator<'_> {
                     }
                 }
                 Task::Brake(left_sq) => {
+                    // Not the planned end of the move: braking may end anywhere on its path.
                     self.position = self.trajectory.end().position;
                     if left_sq == SpeedSq::ZERO {
                         self.task = Task::ComingToRest(true);
@@ -78,6 +79,8 @@ impl StepGenerator<'_> {
         let Some(entry) = self.moves.peek() else {
             return false;
         };
+        // Work that will not be made counts as done, too: the Console waits until as many entries are done as it has
+        // queued.
         if entry.epoch != self.epoch || self.has_met_endstop() || self.braking == Braking::Done {
             self.moves.dequeue();
             self.status.entry_done();
@@ -87,10 +90,12 @@ impl StepGenerator<'_> {
             Work::Move(m) => {
                 self.watch = m.watch;
                 let offset = self.trajectory.z_offset();
+                // Behind a shaper the motors are still on their way, so their counts do not tell where they will stand.
                 let is_there = self.trajectory.is_prompt() && !offset.is_moving();
                 let aside = [Steps::ZERO, Steps::ZERO, Steps::wrapping_from_num(offset.target().into()), Steps::ZERO];
                 let counts = is_there.then(|| {
                     let mut counts = self.group_steppers.each_ref().map(GroupStepper::count);
+                    // The live offset is in the counts, and not in the planned positions with which these are compared.
                     for (count, group) in counts.iter_mut().zip(self.mechanism.iter()).filter(|_| !offset.is_none()) {
                         *count = count.wrapping_sub(count_at(group.coordinate(aside)));
                     }
@@ -98,12 +103,14 @@ impl StepGenerator<'_> {
                 });
                 let ends =
                     self.alignment.ends(m, &self.position, counts, self.mechanism, !self.trajectory.has_surface());
+                // At most half a step, to the line on which the motors stand already.
                 if ends.0 != self.position {
                     self.position = ends.0;
                     self.trajectory.shift(&self.position);
                 }
                 self.current_move.take_up(m, &ends);
                 match self.braking {
+                    // The stop began in an earlier move, which was too short for it.
                     Braking::Slowing(speed_sq) => self.brake(PathPoint { covered: 0, speed_sq }),
                     Braking::No | Braking::Done => self.task = Task::Move,
                 }
@@ -158,6 +165,7 @@ impl StepGenerator<'_> {
                 true
             }
         };
+        // Only now: the entry was read in its place, which the Console may fill again from here on.
         self.moves.dequeue();
         if is_done {
             self.status.entry_done();

@@ -95,6 +95,7 @@ fn unbent(group: &Group, trajectory: &Trajectory, from: &Endpoint, to: Endpoint)
     loop {
         let time = ticks(to.time - from.time);
         let way = to_f32(to.position.wrapping_sub(from.position));
+        // With a speed that changes evenly, the way is that of the mean speed.
         let has_even_speed = (way - 0.5 * ((from.speed + to.speed) * time)).abs() < MOST_UNEVEN;
         if time < SHORTEST_BENT || (has_even_speed && time < SHORT) {
             return to;
@@ -103,11 +104,13 @@ fn unbent(group: &Group, trajectory: &Trajectory, from: &Endpoint, to: Endpoint)
             |quarters: u64| endpoint(group, trajectory, from.time + SubTicks((to.time - from.time).0 / 4 * quarters));
         let is_on_cubic = |point: &Endpoint, part: f32| {
             let left = 1.0 - part;
+            // Hermite's cubic: `way (3 p^2 - 2 p^3) + T p (1 - p) (v0 (1 - p) - v1 p)`.
             let bent = (from.speed * left - to.speed * part) * (part * left * time);
             let expected = way * (part * part * (3.0 - (part + part))) + bent;
             (to_f32(point.position.wrapping_sub(from.position)) - expected).abs() < MOST_BENT
         };
         let middle = at(2);
+        // A deviation that is odd about the middle is 0 there, so a long piece is looked at in its quarters, too.
         if has_even_speed
             && is_on_cubic(&middle, 0.5)
             && (time < LONG || (is_on_cubic(&at(1), 0.25) && is_on_cubic(&at(3), 0.75)))

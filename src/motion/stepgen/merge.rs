@@ -78,12 +78,17 @@ impl StepGenerator<'_> {
             self.wait(interval - TURN_AHEAD);
             return true;
         }
+        // Then `earliest`, `tick` and `limit` are the same: two groups beyond the first two step in this tick, which
+        // the loop below cannot say.
         if !is_before(earliest, limit) {
             self.step_together(earliest);
             return true;
         }
+        // A slow motor's next step may lie beyond `enough`. It is made all the same, because at least LEAST_AHEAD
+        // events must wait.
         let most = if is_before(enough, earliest) { 1 } else { most };
         if most > 1 {
+            // One more, because steps at `limit` itself are not made.
             limit = earlier(limit, enough.wrapping_add(1));
         }
         let of_third = self.events.step_of(number + 2);
@@ -97,6 +102,7 @@ impl StepGenerator<'_> {
             loop {
                 // Nearly every event: a step of one of the first two groups, or of both.
                 while !run.is_full() {
+                    // By its sign, because ticks wrap.
                     let lead = a.tick.wrapping_sub(b.tick).cast_signed();
                     if !is_before(if lead < 0 { a.tick } else { b.tick }, stop) {
                         break;
@@ -135,6 +141,7 @@ impl StepGenerator<'_> {
                 run.put(tick, steps);
             }
         });
+        // The loop went on in copies of the groups' places.
         let (a, b, c) = (a.reached(), b.reached(), c.reached());
         first.step_times.advance_to(a);
         second.step_times.advance_to(b);

@@ -122,6 +122,8 @@ impl StepTimeSolver {
         let gain = way - covered;
         let offset = ((from.time.0 & 0xFFFF) as u32) as f32 * const { 1.0 / 65536.0 } + 0.5;
         let base = from.time.whole_ticks() as u32;
+        // The gain moves a place by a quarter of itself at most, in the middle. It may be less than 0 by rounding:
+        // steady, too.
         let is_steady = gain * time < LEAST_SHIFT * way;
         let is_slowing = !is_steady && curve != Curve::Speeding;
         let solver = if is_steady {
@@ -130,6 +132,8 @@ impl StepTimeSolver {
         } else {
             let (slow, rise) = (covered / time, gain / (time * time));
             let is_dense = slow + 2.0 * (rise * time) > SPARSE;
+            // Time is reckoned back from the slow end. Runs begin long at the fast end, and from one step at the slow
+            // end.
             let (offset, run) = if is_slowing { (offset + time, LONGEST_CURVED) } else { (offset, 1) };
             Self { curve, slow, rise, offset, base, run, is_dense, ..Self::NONE }
         };
@@ -194,6 +198,8 @@ impl StepTimeSolver {
         let from_slow_end = if distance > 0.0 { (distance + distance) / (self.slow + fast) } else { 0.0 };
         let is_slowing = self.curve == Curve::Slowing;
         let at = if is_slowing { self.offset - from_slow_end } else { self.offset + from_slow_end };
+        // Rounding may leave a step that was due before the piece. It comes alone and at once, and the caller spaces
+        // the pulses.
         let is_within = distance > 0.0 && at >= 0.0;
         let count = if is_within { self.length(distance, most) } else { 1 };
         self.is_dense |= !is_within;
@@ -208,6 +214,7 @@ impl StepTimeSolver {
         let gain = self.fast - fast;
         let mean = 2.0 / (fast + self.fast);
         let change = 0.5 * (gain * mean) / (fast * self.fast);
+        // Hermite's cubic over the run as forward differences: `square` and `cube` are its coefficients of i^2 and i^3.
         let share = 1.0 / count as f32;
         let square = change * (fast - (self.fast + self.fast)) * share;
         let cube = change * gain * (share * share);

@@ -37,6 +37,7 @@ impl StepGenerator<'_> {
             return;
         }
         let order = self.status.z_offset();
+        // All that is still to go: a change that had to be short, or was dropped, is followed by another.
         let way = order.ordered().wrapping_sub(self.z_count.ordered);
         let [speed, acceleration] = order.limits();
         let limits = ZLimits { speed, acceleration };
@@ -47,16 +48,18 @@ impl StepGenerator<'_> {
                 if !self.trajectory.z_offset_mut().begin(now, way, f32::MAX, limits) {
                     return;
                 }
+                // Its events must not end at the endstop of an earlier homing move.
                 self.watch = EndstopSet::NONE;
                 self.trajectory.rest_at(self.position, now);
                 self.task = Task::ComingToRest(false);
                 now
             }
+            // Where an endstop is watched, a homing or probing move measures z.
             Task::Move if self.current_move.m.watch == EndstopSet::NONE => {
                 let now = self.next_whole_instant();
                 let tick = self.base_tick.wrapping_add(now.whole_ticks() as u32);
                 let [from, until] = order.quiet();
-                // Z is late by its delay, and so is the end of its last fast move.
+                // Z is late by its delay, and so is the end of its last fast move. Signed, because ticks wrap.
                 let since = (tick.wrapping_sub(from)).cast_signed() as f32 - self.trajectory.delay_ticks();
                 let within = if again { f32::MAX } else { (until.wrapping_sub(tick)).cast_signed() as f32 };
                 if since < 0.0 && !again || !self.trajectory.z_offset_mut().begin(now, way, within, limits) {

@@ -56,16 +56,19 @@ pub(crate) fn impulses(shaper: &Shaper) -> Impulses {
     let frequency: f32 = shaper.frequency.to_num();
     let root = crate::motion::number::root(1.0 - z * z);
     let period = 1.0 / (frequency * root);
+    // The amplitude that is left after half a damped period: later impulses are weaker by as much.
     let k = decay(z * core::f32::consts::PI / root);
     let all = match shaper.kind {
         ShaperKind::None => all_of([(0.0, 1.0)]),
         ShaperKind::Zv => all_of([(0.0, 1.0), (0.5, k)]),
         ShaperKind::Zvd => all_of([(0.0, 1.0), (0.5, 2.0 * k), (1.0, k * k)]),
+        // Its impulses are three eighths of a period apart, three quarters of the half for which `k` holds.
         ShaperKind::Mzv => {
             let k = decay(0.75 * z * core::f32::consts::PI / root);
             let first = 1.0 - core::f32::consts::FRAC_1_SQRT_2;
             all_of([(0.0, first), (0.375, (core::f32::consts::SQRT_2 - 1.0) * k), (0.75, first * k * k)])
         }
+        // Rows are the powers of the damping, columns those of the residual vibration.
         ShaperKind::Ei => {
             let at = |a: [[f32; 3]; 3]| polynomial(a.map(|row| polynomial(row, LEFT)), z);
             let first = at([[0.24968, 0.24961, 0.0], [0.80008, 1.23328, 0.0], [0.49599, 3.17316, 0.0]]);
@@ -82,6 +85,7 @@ pub(crate) fn impulses(shaper: &Shaper) -> Impulses {
             all_of([(0.0, first), (time, 1.0 - first - last), (1.0, last)])
         }
         ShaperKind::TwoHumpEi => {
+            // Rows are impulses, columns the powers of the damping, for 5 % of residual vibration.
             let weights = [
                 [0.16054, 0.76699, 2.2656, -1.2275],
                 [0.33911, 0.45081, -2.5808, 1.7365],
@@ -100,6 +104,7 @@ pub(crate) fn impulses(shaper: &Shaper) -> Impulses {
             all_of([(t0, w0), (t1, w1), (t2, w2), (t3, w3)])
         }
     };
+    // The laws leave out a common factor, and fits do not sum to 1 exactly.
     let sum: f32 = all.iter().map(|(_, weight)| weight).sum();
     all.into_iter().map(|(time, weight)| (time * period, weight / sum)).collect()
 }

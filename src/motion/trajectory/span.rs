@@ -128,11 +128,13 @@ impl Span {
         let mean = way * rate;
         let from_begin = ticks(time.saturating_sub(begins)) * rate;
         if self.curve == Curve::Steady {
+            // At the ends it is the boundary itself, so that no rounding is handed on from span to span.
             let position = if time >= ends { to } else { from.wrapping_add(from_f32(way * from_begin)) };
             return AxisState { position, speed: mean };
         }
         let fast_share = 1.0 - self.slow_share;
         let is_slowing = self.curve == Curve::Slowing;
+        // Seen from the slow end, where both terms are small and single precision is finest.
         let x = if is_slowing { ticks(ends.saturating_sub(time)) * rate } else { from_begin };
         let x = x.min(1.0);
         let speed = mean * (self.slow_share + 2.0 * (fast_share * x));
