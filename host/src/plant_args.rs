@@ -34,7 +34,7 @@ pub struct PlantArgs {
     brake: Vec<String>,
     /// A part breaks at second TIME of motion time: `seized`, `loose`, `jump` or `cord`, at a belt motor by its name in
     /// the machine file or a pulley by its number in `twin geometry`. Such as `seized:7@20s`, `loose:m1:15N@20s+5s`,
-    /// `jump:m8:-1@1m` or `cord:m1:50%@20s`; docs/explanation/belt.md has them all. May be repeated.
+    /// `jump:m8:-1@1m` or `cord:m1:50%@20s`; docs/explanation/belt/plant.md has them all. May be repeated.
     #[arg(long, value_name = "WHAT:WHERE[:HOW]@TIME[+TIME]", requires = "plant")]
     accident: Vec<String>,
 }

@@ -56,7 +56,8 @@ pub const SETTLING_MS: Range<u16> = Range { least: 0, most: 1000 };
 pub const NO_PHASE: u16 = 1024;
 /// Phase of a residual: less than an electrical turn, or [`NO_PHASE`].
 pub const PHASE: Range<u16> = Range { least: 0, most: NO_PHASE };
-/// Preload of a belt: 50 um of residual, some 2 % of the torque of a motor of 0.4 N m (docs/explanation/belt.md).
+/// Preload of a belt: 50 um of residual, some 2 % of the torque of a motor of 0.4 N m
+/// (docs/explanation/belt/alignment.md).
 pub const PRELOAD: Range<Mm> = Range { least: Mm::lit("-0.05"), most: Mm::lit("0.05") };
 /// Lift of z after a motor of the belt has failed.
 pub const LIMP_LIFT: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_from_int(100) };

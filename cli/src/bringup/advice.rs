@@ -23,7 +23,7 @@ pub(super) fn run(guide: &mut Guide) -> Result<Found, Trouble> {
     let [width, depth] = [bed.width, bed.depth].map(|length| length.to_num::<i32>());
     found.note(format!("The slicer's bed is {width} x {depth} mm (M503 says where it begins)."));
     if !Residuals::new(&s.mechanism, s.belt.is_closed).is_empty() {
-        found.note("Align the motors of the belt: M915, then M500 (docs/explanation/belt.md).");
+        found.note("Align the motors of the belt: M915, then M500 (docs/explanation/belt/alignment.md).");
     }
     found.note("Print a single layer of 100 x 100 mm first, a hand near M112.");
     Ok(found)

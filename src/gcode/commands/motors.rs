@@ -106,10 +106,9 @@ pub(super) const ROWS: &[Described] = &[
     })
     .grammar(OF_DRIVER)
     .does("X Y Z E, I", "StallGuard threshold, of one driver of the axis with I; or reports"),
-    Described::m(&[915], |_, text| align(text)).grammar(WORDS).does(
-        "D, R",
-        "aligns the motors of a belt; D diagnoses, R repairs ([belt](../explanation/belt.md#alignment-m915))",
-    ),
+    Described::m(&[915], |_, text| align(text))
+        .grammar(WORDS)
+        .does("D, R", "aligns the motors of a belt; D diagnoses, R repairs ([belt](../explanation/belt/alignment.md))"),
     Described::g(&[34], |_, text| motor(MotorCommand::LevelScrews(level(text))))
         .grammar(&Grammar::numbers(b"ITA"))
         .does(
@@ -127,10 +126,8 @@ pub(super) const ROWS: &[Described] = &[
         .does("S X Y, W X Y, R", "point that is probed for a screw of z (S), its place (W), as made (R); or reports"),
     Described::name(&LEVEL_NAMES, |_, text| Some(level_by_name(text)))
         .does("RETRIES= RETRY_TOLERANCE=", "G34 in Klipper's words"),
-    Described::name(&[BUZZ], |_, text| Some(buzz(text))).does(
-        "STEPPER= FREE=",
-        "one motor alone, 1 mm to and fro ([belt](../explanation/belt.md#one-motor-alone-stepper_buzz))",
-    ),
+    Described::name(&[BUZZ], |_, text| Some(buzz(text)))
+        .does("STEPPER= FREE=", "one motor alone, 1 mm to and fro ([belt](../explanation/belt/one-motor.md))"),
 ];
 
 /// Klipper's names for G34.

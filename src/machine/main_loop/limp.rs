@@ -12,7 +12,7 @@
 //! braking happens. Limp mode runs at most once per boot.
 //!
 //! `park` has the place and the lift, `halted` the words. `sim/board/tests/belt/limp.rs` tests both,
-//! `emulator/tests/drivers.rs` the lift and the words. docs/explanation/belt.md (*Limp*) describes the place and the
+//! `emulator/tests/drivers.rs` the lift and the words. docs/explanation/belt/limp.md describes the place and the
 //! times, docs/explanation/safety.md the times.
 
 use crate::driver;

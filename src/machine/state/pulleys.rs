@@ -15,7 +15,7 @@ use crate::units::Mm;
 /// Places of a sine table: an electrical turn of four full steps.
 pub(in crate::machine) const TURN: i32 = 1024;
 
-/// Pitch of the belt: that of GT2 belts, which every machine with such steps/mm has (docs/explanation/belt.md).
+/// Pitch of the belt: that of GT2 belts, which every machine with such steps/mm has (docs/explanation/belt/phases.md).
 const TOOTH: Mm = Mm::const_from_int(2);
 
 /// Teeth by which belts jump at most. More than four of 16 teeth would add what fewer add.

@@ -1,5 +1,6 @@
 //! Accidents of parts: pulleys, their screws, teeth and cords of belts, as the command line has them. One row of
-//! [`KINDS`] is one kind; the grammar, its errors, the list in docs/explanation/belt.md and the soak follow that table.
+//! [`KINDS`] is one kind. The grammar, its errors, the list in docs/explanation/belt/plant.md and the soak follow that
+//! table.
 //!
 //! `WHAT:WHERE[:HOW]@TIME[+TIME]`: WHERE is a motor of a belt by its name in the machine file, or a pulley by its
 //! number in `twin geometry`. The time is motion time, as that of a brake; the second one says how long it lasts.

@@ -224,7 +224,7 @@ fn story(seed: u64) -> Story {
     Story { kind, end, says: format!("{seed}: {says} {end:?}, off {off:.3}, strain {strain:.3}, {told:?}") }
 }
 
-/// `cargo xtask soak belt` runs 1,000 such cases and prints the table of docs/explanation/belt.md.
+/// `cargo xtask soak belt` runs 1,000 such cases and prints the table of docs/explanation/belt/checks.md.
 #[test]
 fn parts_that_break_are_noticed_or_repaired_unless_a_screw_is_loose() {
     let stories = of_each(seeds(3), story);

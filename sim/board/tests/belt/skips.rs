@@ -189,7 +189,7 @@ fn the_tool_is_back_where_it_was_after_a_repair() {
 fn the_example_in_the_documentation_is_what_happens() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
     let read = |path| std::fs::read_to_string(format!("{folder}/{path}")).unwrap();
-    let (gcode, docs) = (read("examples/belt/skip-and-repair.gcode"), read("docs/explanation/belt.md"));
+    let (gcode, docs) = (read("examples/belt/skip-and-repair.gcode"), read("docs/explanation/belt/skips.md"));
     let lines: Vec<&str> = gcode.lines().map(|line| line.split(';').next().unwrap().trim()).collect();
     let lines: Vec<&str> = lines.into_iter().filter(|line| !line.is_empty()).collect();
     for (hit, brake, skips) in [(Some("190,203.8,180,14"), "m11,5", 2), (None, "m11,170,57.36,14", 1)] {
