@@ -8,8 +8,8 @@
 //! (printcore) or for half a minute (OctoPrint). So a silence in a stream is broken by a **prompt**. A host that pauses
 //! looks the same from here, so on a port without damage the prompt is only an `ok`. A waiting host continues, and the
 //! next line shows a lost one by its number; any other host ignores it. On a damaged port the prompt asks for the next
-//! line, as long as the machine moves. docs/reference/host-protocol.md has the effect on each host, in each of its
-//! states.
+//! line, as long as the machine moves. docs/reference/host-protocol/resends.md has the effect on each host, in each
+//! of its states.
 //!
 //! The prompt that asks for the next line is the **question**: `Resend:` and `ok`, without an error (`question` in
 //! `reply.rs`). The other one is the `ok` of any line (`Incoming::Acknowledge`); another text for it would need a new

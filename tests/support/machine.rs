@@ -9,7 +9,7 @@ use corehbot::units::Instant;
 pub const PATIENCE_MS: u32 = Settings::prototype().patience_ms as u32;
 
 // From the last prompt but one to the last it is 16 times as long, and OctoPrint gives up after 30 s
-// (docs/reference/host-protocol.md).
+// (docs/reference/host-protocol/resends.md).
 const _: () = assert!(16 * PATIENCE_MS < 30_000);
 
 /// A machine that takes every command and answers as the protocol wants it.

@@ -311,7 +311,7 @@ def numbered(line):
     return f"{line}*{functools.reduce(lambda sum, byte: sum ^ byte, line.encode())}"
 
 
-# Lines, and what the printer answers: the words of docs/reference/host-protocol.md and docs/reference/errors.md.
+# Lines, and what the printer answers: the words of docs/reference/host-protocol/ and docs/reference/errors.md.
 CONVERSATION = (
     ("M105", ("ok T:",)),
     ("M114", ("X:0.00 Y:0.00 Z:0.00",)),

@@ -4,7 +4,7 @@
 //! (default in `Settings::prototype`). Without room the look-ahead counts as full to `release` (`note_full`): motion
 //! begins, and a slow host's share ends. A fan that waits for its move (`main_loop::heat_turn`) waits by the same
 //! exemption; `main_loop::reply` (P of `advanced_ok`) asks for room too. `sim/board/tests/lookahead_time.rs` tests it.
-//! docs/explanation/flow.md, docs/reference/host-protocol.md, README.md, its row in `settings` and
+//! docs/explanation/flow.md, docs/reference/host-protocol/pauses.md, README.md, its row in `settings` and
 //! `examples/machines/prototype.toml` describe it. M220 is here too.
 
 use super::{Motion, of_grouping};
