@@ -46,6 +46,7 @@ impl Latch {
         self.subject.store(fault.subject, Ordering::Relaxed);
         self.value.store(fault.value, Ordering::Relaxed);
         self.limit.store(fault.limit, Ordering::Relaxed);
+        // Last, and released: a reader that finds a cause finds all the rest.
         self.cause.store(fault.cause as u8, Ordering::Release);
         true
     }

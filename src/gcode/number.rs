@@ -145,8 +145,10 @@ fn read_short(text: &[u8]) -> Option<(i64, &[u8])> {
         let Some(&byte) = bytes.next() else { break after };
         let digit = u32::from(byte).wrapping_sub(u32::from(b'0'));
         if digit < 10 {
+            // Wraps after the tenth digit only, and then `count` refuses it.
             digits = digits.wrapping_mul(10).wrapping_add(digit);
         } else if byte == b'.' && decimals_begin.is_none() {
+            // As a length that is left, because its difference to the end is the number of decimals.
             decimals_begin = Some(bytes.len());
         } else {
             break after;
@@ -158,6 +160,7 @@ fn read_short(text: &[u8]) -> Option<(i64, &[u8])> {
         return None;
     }
     let &(power, reciprocal) = POWERS.get(decimals)?;
+    // 32 bits: the processor divides them in some ten cycles, and 64 in some hundreds.
     let whole = digits / power;
     let magnitude = (u64::from(whole) << 32) + scale(digits - whole * power, power, reciprocal);
     Some((magnitude.cast_signed(), after))

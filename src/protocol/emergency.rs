@@ -86,16 +86,19 @@ impl Scanner {
         if matches!(byte, b'\n' | b'\r') {
             let found = match self.state {
                 State::Complete(emergency) => Some(emergency),
+                // Digits may go on up to the end of the line, so only now the code is whole.
                 State::Code(code) => Emergency::of(code),
                 _ => None,
             };
             self.state = State::Start;
             return found;
         }
+        // Nearly every byte of a print.
         if matches!(self.state, State::Other) {
             return None;
         }
         self.state = match (self.state, byte) {
+            // The line layer leaves out NUL, too.
             (state, 0) => state,
             // The erased character may be part of an emergency; the line then takes its turn like any other.
             (State::Start, byte) if is_erasing(byte) => State::Start,
@@ -106,6 +109,7 @@ impl Scanner {
             (State::Number | State::Numbered, b'0'..=b'9') => State::Numbered,
             (State::Letter, b'0'..=b'9') => State::Code((byte - b'0') as u16),
             (State::Code(code), b'0'..=b'9') => {
+                // Saturated, so that no long number wraps to a code that stops.
                 State::Code(code.saturating_mul(10).saturating_add((byte - b'0') as u16))
             }
             // A subcode or a longer name makes it another command.

@@ -95,6 +95,7 @@ impl Owed {
 pub(super) fn kind_of(line: &Line) -> Kind {
     let text = trim_end(skip_blanks(line.head()));
     let is_short = line.head().len() < HEAD;
+    // Only a line number or a code may still become one that need not stay.
     if !line.is_whole && is_short {
         return if matches!(text, [] | [b'N' | b'n' | b'M' | b'm', ..]) { Kind::Unknown } else { Kind::Other };
     }
@@ -106,6 +107,7 @@ pub(super) fn kind_of(line: &Line) -> Kind {
     match m_code(text) {
         _ if text.is_empty() && is_short => Kind::Blank,
         _ if matches!(text, [b';', ..]) && line.is_whole && !line.is_doubtful => Kind::Blank,
+        // A comment, a checksum or a quote in it needs the real parser.
         Some((code, words)) if line.is_whole && is_short && words.iter().all(is_plain) => match code {
             105 => Kind::Temperatures,
             114 => Kind::Position { real: words.iter().any(|byte| byte.eq_ignore_ascii_case(&b'R')) },

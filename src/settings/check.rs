@@ -202,6 +202,7 @@ impl Settings {
         let mut found = Ranges { first: None };
         // Visitors may change values; this one does not.
         self.clone().visit(&mut found);
+        // First, because the rules below reckon with values that are in range.
         if let Some(key) = found.first {
             return Err(SettingsError::OutOfRange(key));
         }
@@ -210,11 +211,13 @@ impl Settings {
             [(&a.x, "axes.x"), (&a.y, "axes.y"), (&a.z, "axes.z"), (&a.e, "axes.e")].into_iter().enumerate()
         {
             let finest = self.finest(number);
+            // A motor with a multiple makes more steps than the axis has.
             legal_beside(ranges::STEPS_PER_MM.holds(finest), name)?;
             step_rate(axis.max_speed, finest, name)?;
         }
         self.check_shared_motors().map_err(SettingsError::ResolutionsDiffer)?;
         for axis in 0..2 {
+            // A belt motor may have to be as fast as x and y together, so it has a limit of its own.
             step_rate(self.motor_max_speed, self.finest(axis), "motor_max_speed")?;
         }
         // As a row this is no window, which is legal.

@@ -171,6 +171,7 @@ fn decode(bytes: &[u8; ROOM]) -> Result<Decoded, MeshRejected> {
     }
     let word = |number: usize| payload.get(4 * number..4 * number + 4).and_then(|word| word.first_chunk::<4>());
     let number = |place: usize| word(place).map_or(0, |word| u32::from_le_bytes(*word));
+    // They say how long the record is, so they are read before its sum proves them. A wrong length makes a wrong sum.
     let [.., columns, rows] = *payload.first_chunk::<{ HEAD - 8 }>().ok_or(MeshRejected::Damaged)?;
     let length = 2 * usize::from(columns) * usize::from(rows);
     let payload_used = payload.get(..HEAD - 8 + length).ok_or(MeshRejected::Damaged)?;
@@ -183,6 +184,7 @@ fn decode(bytes: &[u8; ROOM]) -> Result<Decoded, MeshRejected> {
         let (column, row) = (place % usize::from(columns), place / usize::from(columns));
         heights.set(column, row, i16::from_le_bytes(*height));
     }
+    // Words in the order of `encode`.
     let mm = |place: usize| of_um(number(place) as i32);
     let mesh = Mesh::new(heights, [mm(2), mm(3)], [mm(4), mm(5)], mm(8)).map_err(|_| MeshRejected::Damaged)?;
     let warm = number(9);

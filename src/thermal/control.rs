@@ -126,6 +126,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
                     Some(test) => test.hold(heater, self.heaters[heater as usize].legal(target)),
                     None => self.heaters[heater as usize].set_target(target),
                 },
+                // A tuning would heat what the test watches as cold.
                 Order::Tune(..) if self.self_test.is_some() => {}
                 Order::SelfTest => self.begin_self_test(),
                 Order::Tune(heater, target, cycles) => {
@@ -143,11 +144,13 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
                 }
                 Order::Motors(on) => self.has_motors = on,
                 Order::Off => {
+                    // Stopped, not ended: an end would give the heaters their held targets.
                     self.stop_self_test();
                     self.heaters.iter_mut().for_each(|heater| heater.set_target(Celsius::ZERO));
                     self.fans.iter_mut().for_each(|fan| fan.command(0));
                 }
                 Order::Heater(heater, settings) => {
+                    // Its pulse was made for the old model.
                     self.end_self_test(End::PutOff);
                     self.heaters[heater as usize].configure(settings);
                     has_new_settings = true;
@@ -220,10 +223,12 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
         for (sensor, _) in &Sensor::ALL {
             self.status.heat().set_sample(*sensor, self.port.sample(*sensor));
         }
+        // Before the fans of this period: the duties are what cooled the block in the last one.
         let of_hotend = self.circumstances();
         let of_others = Circumstances { filament: I8F24::ZERO, ahead: Ahead::default(), ..of_hotend };
         let warmed_to = Heater::ALL.map(|heater| self.warmed_to(heater));
         let mut duties = [0; OUTPUTS];
+        // First, because it says which heater has a pulse in this period.
         let mut found = Found(self.test().err());
         for heater in Heater::ALL {
             let looped = &mut self.heaters[heater as usize];
@@ -237,6 +242,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
             let now = Circumstances { warmed_to: warmed_to[heater as usize], rests, ..now };
             match looped.period(self.status.heat().sample(sensor), &now) {
                 Ok(duty) if self.port.outputs().has(output) => duties[output as usize] = duty,
+                // The board has no such output. The sensor's guards watch all the same.
                 Ok(_) => {}
                 Err(alarm) => found.add(heater, alarm),
             }
@@ -251,6 +257,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
             found.add(Heater::Hotend, alarm);
         }
         self.status.heat().set_mcu(self.port.mcu());
+        // Before the duties are put out, so that an alarm cuts the power in the same period.
         if let Some((heater, alarm)) = found.0 {
             self.fail(heater as u8, alarm);
         }
@@ -267,6 +274,7 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
             let held = self.self_test.as_ref().map(|test| test.held()[heater as usize]);
             let target = held.unwrap_or(looped.target());
             let measured = looped.measured().filter(|_| looped.settings().is_fitted);
+            // After a fault a heater still has its wanted duty, which has not been put out.
             let duty = if is_any_on { looped.duty() } else { 0 };
             self.status.heat().set_heater(heater, measured, target, duty);
             self.status.heat().set_ailment(heater, looped.ailment());

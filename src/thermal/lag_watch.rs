@@ -108,11 +108,13 @@ impl LagWatch {
             return None;
         }
         let rise = i64::from(measured.saturating_sub(begun_at).to_bits());
+        // Both with 20 fractional bits: a capacity has 16.
         let found = ((rise.saturating_mul(capacity)) >> 16) + self.lost / i64::from(RATE);
         let (found_before, measured_before) = core::mem::replace(&mut self.before, (found, measured));
         // J/s with 20 fractional bits; s with 24.
         let slope = (found - found_before) * i64::from(RATE) / i64::from(SLOPE);
         let time = (i64::from(self.periods) << 24) / i64::from(RATE);
+        // 36 fractional bits over 12 are 24. A slope of 0 or less tells no lag (`is_other`), but must not divide by 0.
         let lag = time - (found << 16) / (slope >> 8).max(1);
         let is_other = slope > 0 && lag > TIMES * model_lag + (MORE_S << 24);
         let slope = kelvin(measured.saturating_sub(measured_before)) / SLOPE_S;

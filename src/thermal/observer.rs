@@ -73,12 +73,14 @@ impl Coefficients {
         let [heater_lag, sensor_lag] = [element, sensor].map(|lag| i64::from(lag.to_bits()));
         let capacity = i64::from(capacity.to_bits()).max(1 << 14);
         let rate = i64::from(RATE);
-        // Place of the poles, in rad/s with 24 fractional bits: one over the mean of the lags.
+        // Place w of the poles, in rad/s with 24 fractional bits: one over the mean of the lags. With the sensor's lag
+        // t, errors obey `s^3 + (1/t + l) s^2 + m/t s + n/(C t)`. That is (s + w)^3 for the corrections
+        // l = 3 w - 1/t of the sensor, m = 3 w^2 t of the block, and n = C w^3 t of the drift.
         let pole = (1 << 49) / (heater_lag + sensor_lag);
         let pole2 = (pole * pole) >> 24;
         let pole3 = (pole2 * pole) >> 24;
         let per_period = |value: i64| I0F32::from_bits(saturated((value << 8) / rate));
-        // Correction of the drift in a period, in W/K: C w^3 tau_s.
+        // Correction of the drift in a period, in W/K. Of 16 and 24 fractional bits 20 are left.
         let drift_step = (capacity.saturating_mul((pole3 * sensor_lag) >> 24) / rate) >> 20;
         let most = i64::from(settings.power.to_bits()).max(1 << 16);
         Self {
@@ -89,6 +91,7 @@ impl Coefficients {
             fan_loss: I8F24::from_bits(saturated(fan_loss.to_bits().into())),
             heater_lag: I12F20::from_bits(saturated(heater_lag >> 4)),
             grip: I12F20::from_bits(saturated((capacity << 28) / heater_lag)),
+            // A sensor quicker than a third of 1/w needs no correction of its own.
             sensor_step: per_period((3 * pole - (1 << 48) / sensor_lag).max(0)),
             block_step: per_period(3 * ((pole2 * sensor_lag) >> 24)),
             drift_step: I12F20::from_bits(saturated(drift_step)),

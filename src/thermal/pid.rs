@@ -36,6 +36,7 @@ impl Pid {
 
     /// The duty of 0 to 65,535 for the next control period, at most `most`.
     pub fn duty(&mut self, target: Celsius, measured: Celsius, most: u16) -> u16 {
+        // The first reading has none before it, and so no rise.
         let rise = kelvin(measured.saturating_sub(self.last.unwrap_or(measured))).saturating_mul_int(RATE);
         self.rate = self.rate.saturating_add(rise.saturating_sub(self.rate) >> SMOOTHING);
         self.last = Some(measured);
@@ -51,7 +52,9 @@ impl Pid {
         let error = kelvin(error);
         let now = by(error, self.gains.p).saturating_add(self.integral).saturating_sub(by(self.rate, self.gains.d));
         let step = by(error, self.gains.i) / RATE;
+        // A duty of 65,536 parts has 16 fractional bits, and the number 20.
         let limit = FULL.saturating_mul(I12F20::from_bits(i32::from(most) << 4));
+        // The integral still moves away from a limit. Stopped altogether, it would stay where the limit found it.
         let is_beyond = (now >= limit && step > I12F20::ZERO) || (now <= I12F20::ZERO && step < I12F20::ZERO);
         if !is_beyond {
             self.integral = self.integral.saturating_add(step).clamp(I12F20::ZERO, FULL);

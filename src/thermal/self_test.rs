@@ -120,6 +120,7 @@ impl SelfTest {
     pub fn period(&mut self, settings: [&HeaterSettings; HEATERS], readings: &Readings) -> Option<End> {
         self.pulse.elapsed += 1;
         let own = ORDER.get(self.pulse.place).copied()?;
+        // Kept over all pulses of a heater: a fall before the second one still says that it cools.
         self.pulse.lowest = readings[own as usize].map_or(self.pulse.lowest, |reading| reading.min(self.pulse.lowest));
         if self.pulse.elapsed < self.pulse.judged {
             return None;
@@ -171,11 +172,12 @@ fn pulse(from: usize, settings: [&HeaterSettings; HEATERS], readings: &Readings)
         return None;
     }
     let settings = settings[ORDER[place] as usize];
-    // W: power and duty have 16 fractional bits each.
+    // W: power and duty have 16 fractional bits each. Whole numbers do for a careful first pulse.
     let power = ((u64::from(settings.power.to_bits()) * u64::from(settings.max_duty.to_bits())) >> 32) as i64;
     let rate = i64::from(RATE);
     let capacity = settings.model.capacity.to_num::<i64>().max(1);
     let periods = (RISE * capacity * rate / power.max(1)).clamp(1, LONGEST);
+    // One more second for the fractions that are cut off.
     let lags = settings.model.heater_lag.saturating_add(settings.model.sensor_lag).to_num::<u32>() + 1;
     let periods = periods as u32;
     Some(Pulse {

@@ -144,6 +144,7 @@ fn flaw_of<'a>(grammar: &Grammar, known: Letters, code: Code, text: &'a [u8]) ->
     let mut words = Words::new(text);
     let mut begin = text;
     loop {
+        // All words are read once for this: text that is none counts first, wherever it is.
         let word = words.next();
         let written = begin.get(..begin.len() - words.remaining().len()).unwrap_or_default();
         let is_flaw = word.is_some_and(|word| {
@@ -172,6 +173,7 @@ fn flaw_of<'a>(grammar: &Grammar, known: Letters, code: Code, text: &'a [u8]) ->
             // The first one of a list may be there.
             && !(part.is_there(Number::ZERO) && behind_letter(written).split(|byte| *byte == b':').any(|one| one == b"0"))
         {
+            // Only its number is shown, and not what follows without a blank.
             let which = behind_letter(begin);
             let which = which.get(..number_length(which)).unwrap_or(which);
             return Some(Flaw::Absent(Absent { command: Named::Code(code.letter, code.number), part, which }));

@@ -122,6 +122,7 @@ impl Field for Thermistor {
     fn set(&mut self, value: &Value) -> bool {
         let Value::Number(number) = *value else { return false };
         let kind = number & 0xFF;
+        // Any bits give some NTC; `Settings::check` has its ranges.
         if kind == Self::BETA {
             let ohms = (number >> Self::KIND_BITS) & ((1 << Self::OHM_BITS) - 1);
             let beta = (number >> (Self::KIND_BITS + Self::OHM_BITS)) & 0xFFFF;
@@ -129,6 +130,7 @@ impl Field for Thermistor {
             return true;
         }
         if kind == Self::BENT {
+            // The bits above the Ohm's are those of B.
             let ohms = (number >> Self::KIND_BITS << 3) & 0x1F_FFFF;
             let beta = (number >> Self::BELOW_BETA & 0xFFF) + Self::LEAST_BETA;
             let cubic = (number >> Self::BELOW_CUBIC) as u16 & Self::MOST_CUBIC;
@@ -136,6 +138,7 @@ impl Field for Thermistor {
             return true;
         }
         let place = u8::try_from(number).ok().filter(|place| usize::from(*place) < SHEETS.len());
+        // A kind of later firmware: the record is not taken.
         *self = place.map_or(*self, Self::Sheet);
         place.is_some()
     }

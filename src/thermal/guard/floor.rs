@@ -198,7 +198,9 @@ impl Gain {
         }
         self.is_slow = false;
         let is_full = duty >= most;
+        // With less power it may cool by itself, so a fall counts from a later reading.
         self.warmest = if duty > most / 2 { self.warmest.max(measured) } else { Celsius::MIN };
+        // Time is not forgotten at once: otherwise a heater that is switched off and on would never come to its alarm.
         if duty == 0 {
             self.fallen = 0;
             self.given = self.given.saturating_sub(FULL / FORGETS);
@@ -209,8 +211,10 @@ impl Gain {
         if !counts {
             return None;
         }
+        // Of 255, so that two hours at full power fit into `given`.
         let power = u32::from(duty >> 8);
         self.given += power;
+        // Divided first: a Celsius ends at 2048, and 35 times a hot bed's would not.
         let part = self.warmest.max(Celsius::ZERO) / 100;
         let by_plate = if floor.takes_plates { part.saturating_mul_int(COLD_PLATE) } else { Celsius::ZERO };
         let fall = FALL.max(by_plate);
@@ -222,6 +226,8 @@ impl Gain {
         }
         let most = if is_low { floor.heating } else { floor.topping } * FULL;
         let rest = most / REST;
+        // Counted for each kind of way by itself, so that a heater was slow for a sixth of this kind's time before the
+        // alarm.
         let is_late = self.given > most - rest;
         let late = &mut self.late[usize::from(is_low)];
         *late = if is_late { *late + power } else { 0 };

@@ -105,6 +105,7 @@ impl HeatBalance {
         let begin = || Balance { begun_at: measured, left: 0, arriving: Power::ZERO, given: 0, lost: 0, most: 0 };
         let balance = self.balance.follow(is_heated.then_some(()), begin)?;
         if balance.left == 0 {
+            // The heat on its way goes on from the last balance: it was given there, and is found here.
             *balance = Balance { left: n.length, arriving: balance.arriving, ..begin() };
         }
         let fan = I8F24::from_bits(saturated(
@@ -116,7 +117,9 @@ impl HeatBalance {
         balance.arriving = balance.arriving.saturating_add(more);
         balance.given += i64::from(balance.arriving.to_bits());
         balance.lost += i64::from(lost.to_bits());
+        // A model that was set meanwhile may have made it shorter.
         balance.left = balance.left.min(n.length) - 1;
+        // Before the balance is struck: with heat that has gone it would alarm.
         if balance.left.is_multiple_of(LOOKS) && balance.has_gone(n, seen.smooth) {
             self.balance = Episode::none();
             return None;

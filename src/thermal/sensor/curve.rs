@@ -121,6 +121,7 @@ const fn of_sheets() -> [Curve; SHEETS.len()] {
 const fn through([(t0, r0), (t1, r1), (t2, r2)]: [(f64, f64); 3]) -> Curve {
     let (y0, y1, y2) = (1.0 / (t0 + 273.15), 1.0 / (t1 + 273.15), 1.0 / (t2 + 273.15));
     let (x0, x1, x2) = (ln(r0), ln(r1), ln(r2));
+    // A chord from x to z has the slope b + c (x^2 + x z + z^2).
     let (first, second) = ((y1 - y0) / (x1 - x0), (y2 - y0) / (x2 - x0));
     let c = (second - first) / ((x2 - x1) * (x0 + x1 + x2));
     let b = first - c * (x0 * x0 + x0 * x1 + x1 * x1);
@@ -176,6 +177,7 @@ fn of_platinum(sample: u16) -> Celsius {
     // The root of A^2 - 4 B (1 - R/R0), with 60 and then 30 fractional bits.
     let square = const { (A * A * (1u64 << 60) as f64) as i64 };
     let slope = const { (-4.0 * B * (1u64 << 60) as f64) as i64 };
+    // 12 bits fewer before the product and 12 after it: all of them would need 67 bits.
     let below = square + (((slope >> 12) * ((1 << 24) - ratio as i64)) >> 12);
     let root = below.max(0).cast_unsigned().isqrt() as i64;
     let difference = const { (A * (1u64 << 30) as f64) as i64 } - root;

@@ -26,25 +26,31 @@ impl Tune {
     fn figures(&self) -> Option<Tuned> {
         let power = i64::from(self.power.to_bits());
         let loss = self.still.loss(power)?;
+        // The noise of both means may make a weak fan seem to warm the block.
         let fan_loss = if self.has_fan { (self.blown.loss(power)? - loss).max(0) } else { 0 };
         let (from, _) = self.half_way?;
         let rise = i64::from(self.cut_at.saturating_sub(from).to_bits()).max(1);
         // J with 20 fractional bits: given, and lost on the way.
         let rate = i64::from(RATE);
         let given = power * i64::from(self.rise_periods) / rate;
+        // 24 and 8 fractional bits, less 12, are 20.
         let lost = (loss * (self.warmth / rate)) >> 12;
+        // 20 fractional bits and 16 over 20: those of a capacity.
         let capacity = (given.saturating_sub(lost) << 16) / rise;
         // Slopes after and before the cut, in K/s with 20 fractional bits: losses, and power less losses, over the
         // capacity.
         let losses = (loss * above_room(self.cut_at)) >> 12;
         let [fall, rise] = [losses, power - losses].map(|watts| (watts.max(0) << 16) / capacity.max(1));
         let both = (fall + rise).max(1);
+        // 56 fractional bits over 20 and 12 are 24. Twice, because there are two lags of a.
         let lag = (self.after_cut << 36) / (both * rise_after_cut((fall << 16) / both)).max(1) * 2;
         // PID in duty of 255: d = 127.5, so Ku = 4 * 127.5 / (pi a) = 162.34 / a.
         let amplitude = self.still.amplitude();
         let hysteresis = i64::from(HYSTERESIS.to_bits());
+        // At least a quarter of the hysteresis: an amplitude that is hardly greater would make an endless gain.
         let beyond = (amplitude * amplitude - hysteresis * hysteresis).max(hysteresis * hysteresis / 16);
         let ku = ((162.34 * 65_536.0) as i64) * (1 << 20) / (beyond.cast_unsigned().isqrt() as i64).max(1);
+        // All three with 16 fractional bits: I = 2 P / Tu, and D = P Tu / 8 (see the head of `tune`).
         let period = self.still.period(rate);
         let p = ku * 3 / 5;
         let i = (p << 17) / period.max(1);
