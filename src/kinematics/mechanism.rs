@@ -229,6 +229,7 @@ impl Mechanism {
         }
         let mut different: [Row; MOST_GROUPS] = [NOT_FITTED; MOST_GROUPS];
         for row in self.rows.into_iter().filter(|row| *row != NOT_FITTED) {
+            // Motors with the same or the opposite row step together, as one group.
             let place = |slot: &&mut Row| [NOT_FITTED, row, mirrored(row)].contains(*slot);
             *different.iter_mut().find(place).ok_or(MechanismError::TooManyGroups)? = row;
         }

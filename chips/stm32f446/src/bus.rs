@@ -128,12 +128,14 @@ impl Bus {
     fn free(&mut self) -> Outcome<()> {
         self.is_sound = false;
         for pin in [self.scl, self.sda] {
+            // The level first, then open drain, then output: so no line is driven against the chip.
             drive(pin, true);
             ports::registers(pin.port).otyper().modify(|w| w.set_ot(pin.number(), Ot::OPEN_DRAIN));
             ports::make_output(pin);
         }
         pause();
         for _ in 0..CLOCKS {
+            // Data that is released can be pulled down by the start below, which ends any transfer.
             if ports::is_high(self.sda) {
                 break;
             }
@@ -146,9 +148,11 @@ impl Bus {
         drive(self.sda, true);
         pause();
         [self.scl, self.sda].iter().for_each(|pin| ports::make_alternate(*pin, I2C_FUNCTION));
+        // After the lines are released: on a held line BUSY would be set again (RM0390, I2C_CR1, SWRST).
         I2C1.cr1().write(|w| w.set_swrst(true));
         I2C1.cr1().write(|_| ());
         I2C1.cr2().write(|w| w.set_freq(APB1_MHZ as u8));
+        // Timing can be set only while the unit is off (RM0390, 24.6.8 and 24.6.9).
         I2C1.ccr().write(|w| {
             w.set_f_s(FS::FAST);
             w.set_duty(Duty::DUTY2_1);

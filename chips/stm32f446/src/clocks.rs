@@ -35,6 +35,7 @@ const CK48MSEL: u32 = 1 << 27;
 /// Starts crystal, over-drive and PLL once, one after the other, and returns the one that does not start. embassy-stm32
 /// 0.6.0 waits for each of them without an end. The internal oscillator is the system clock, before and after.
 pub fn try_out(crystal: Crystal) -> Result<(), &'static str> {
+    // Before the oscillator is on: afterwards the bit cannot be written (RM0390, 6.3.1, HSEBYP).
     RCC.cr().modify(|w| w.set_hsebyp(crystal == Crystal::Clock8MHz));
     RCC.cr().modify(|w| w.set_hseon(true));
     if !comes(|| RCC.cr().read().hserdy()) {
@@ -62,6 +63,7 @@ pub fn try_out(crystal: Crystal) -> Result<(), &'static str> {
     if !comes(|| !PWR.csr1().read().odswrdy()) {
         return Err("the processor does not leave over-drive");
     }
+    // It takes values only with the PLL off (RM0390, 6.3.2), also those of embassy-stm32 later.
     RCC.pllcfgr().write(|w| {
         w.set_pllsrc(PllSource::HSE);
         w.set_pllm(to_2_mhz(crystal));

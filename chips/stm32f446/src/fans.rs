@@ -91,6 +91,7 @@ impl Fans {
         if has(FanTimer::Nine) {
             run!(TIM9, cycle(ON_APB2, 9), 1, of(FanTimer::Nine));
         }
+        // After the timers run with duties of 0, so that no fan starts for a moment.
         for fan in wired {
             // A fan without a timer has an output of its own already (`safe_levels`).
             if let Some((_, function, _)) = fan_timer(fan.timer) {

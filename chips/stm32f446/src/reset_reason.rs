@@ -161,12 +161,15 @@ pub fn forget() {
 /// Facts about the time before the reset; read once, before any fault can be recorded.
 pub fn take() -> Past {
     let flags = RCC.csr().read();
+    // The flags add up over resets until they are cleared.
     RCC.csr().modify(|w| w.set_rmvf(true));
     let (has_bitten, was_off) = (flags.wdgrstf(), flags.porrstf());
+    // RAM without power holds anything, and the sum of a record proves it only by chance.
     if was_off {
         forget();
     }
     let was_recorded = is_fresh();
+    // A run that recorded a fault may end by the watchdog as well, and the fault tells more.
     if has_bitten && !was_recorded {
         note(Fault::plain(Cause::Watchdog));
     }
@@ -191,6 +194,7 @@ pub fn take() -> Past {
 /// The text that was left.
 fn take_text() -> Option<ResetReason> {
     let is_ours = KEPT.magic.load(Ordering::Acquire) == MAGIC;
+    // Before it is used: should it lead to another reset, that one does not tell it again.
     KEPT.magic.store(0, Ordering::Relaxed);
     let sum = KEPT.check.load(Ordering::Relaxed);
     let length = (sum >> 24) as usize;

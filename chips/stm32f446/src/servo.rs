@@ -108,6 +108,8 @@ impl Line {
         self.left = left;
         if !self.is_running {
             self.is_running = true;
+            // Far away, so that the count does not end before the pulse's own end is set. The update sets the count to
+            // 0, and URS keeps it from being another call.
             set_end(u16::MAX);
             TIM3.egr().write(|w| w.set_ug(true));
             TIM3.cr1().modify(|w| w.set_cen(true));
@@ -118,6 +120,8 @@ impl Line {
             TIM3.cnt().read().cnt()
         });
         self.is_high = true;
+        // The register has no preload (ARPE is 0), so the new end counts at once; the shortest pulse is longer than
+        // this store takes.
         set_end(begin + self.length);
     }
 }

@@ -69,6 +69,7 @@ impl Thermistors {
         let _ = RCC.ahb1enr().read();
         // 90 MHz over 4, where 36 MHz are allowed (STM32F446 datasheet, f_ADC).
         ADC123_COMMON.ccr().modify(|w| w.set_adcpre(Adcpre::DIV4));
+        // Before the converter: a reading that is not fetched is an overrun, which stops it.
         start_dma(wired.len());
         for (place, thermistor) in wired.iter().enumerate() {
             let channel = thermistor.channel;
@@ -83,6 +84,7 @@ impl Thermistors {
         ADC3.cr2().modify(|w| {
             w.set_cont(true);
             w.set_dma(true);
+            // Without it the converter asks for nothing any more after the DMA's first round (RM0390, ADC_CR2, DDS).
             w.set_dds(Dds::CONTINUOUS);
             w.set_adon(true);
         });

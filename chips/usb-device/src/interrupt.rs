@@ -20,7 +20,7 @@ pub fn on_interrupt<M: RawMutex, const N: usize>(registers: impl Registers, stat
     let mask = registers.read(GINTMSK);
     let pending = registers.read(GINTSTS) & mask;
     if pending & BUS_EVENTS != 0 {
-        // The task handles them, and asks for them again.
+        // The task handles them, and asks for them again. Until then their flags would raise this interrupt without end.
         registers.write(GINTMSK, mask & !BUS_EVENTS);
         if pending & USBRST != 0 {
             state.end_requests();
@@ -32,12 +32,15 @@ pub fn on_interrupt<M: RawMutex, const N: usize>(registers: impl Registers, stat
             break;
         }
     }
+    // Read again: emptying the FIFO may have finished transfers.
     if registers.read(GINTSTS) & (IEPINT | OEPINT) == 0 {
         return;
     }
     let endpoints = registers.read(DAINT) & registers.read(DAINTMSK);
     for (n, waker) in state.ins.iter().enumerate().filter(|(n, _)| endpoints >> n & 1 != 0) {
         let flags = registers.read(diepint(n));
+        // Cleared before the wake, so that what comes afterwards raises the interrupt again. Writing a flag's 1 clears
+        // it.
         registers.write(diepint(n), flags);
         waker.wake();
     }

@@ -15,21 +15,26 @@ impl Board {
     #[must_use]
     pub fn problem(&self) -> Option<&'static str> {
         let sockets = || self.sockets.iter();
+        // The step interrupt makes a store a port, so the tables have room for so many ports and no more.
         if !StepWrites::can_hold(sockets().map(|slot| slot.step))
             || !DirWrites::can_hold(sockets().map(|slot| slot.dir))
         {
             return Some("step or direction pins are on too many ports");
         }
+        // `StepPins::dir` stores to four ports, and then to three of them again, which is a slow pin's time. A fifth
+        // port has the second store alone.
         if sockets().any(|slot| slot.dir.is_slow()) && !StepWrites::can_hold(sockets().map(|slot| slot.dir)) {
             return Some("a direction pin is slow, and there is no time for it (StepPins::dir)");
         }
         let single = || self.pins_of_one_job();
         let enables = || sockets().map(|slot| slot.enable);
+        // An enable line may be that of many sockets, but of nothing else.
         let is_twice = |pin: Pin| single().filter(|other| *other == pin).count() > 1;
         if single().any(is_twice) || enables().any(|enable| single().any(|pin| pin == enable)) {
             return Some("a pin has two jobs");
         }
         let uarts = sockets().filter_map(|slot| slot.uart);
+        // The Spider's FAN0 and FAN1 are such pins: the board has no debug port. Sockets are checked below.
         let is_fan = |pin: &Pin| self.fans.iter().any(|fan| fan.pin == *pin);
         if self
             .pins_beside_drivers()
@@ -44,6 +49,7 @@ impl Board {
             return Some("there are more or fewer names than sockets or inputs");
         }
         let inputs = || self.connectors.inputs.iter().zip(self.inputs);
+        // The core sees connectors alone. Only by them it can refuse a machine with two switches in one line.
         let is_told = |(a, one): (&ConnectorName, &Input), (b, other): (&ConnectorName, &Input)| {
             self.connectors.is_one_line(*a, *b) == (one.pin == other.pin)
         };
@@ -51,6 +57,7 @@ impl Board {
             return Some("inputs share a pin and their connectors do not say so, or the reverse");
         }
         let told = self.connectors.sockets.iter().map(|name| self.connectors.debug_sockets.contains(name));
+        // A machine without `[wiring]` uses the first sockets, and must not lose the debug port unasked.
         if sockets().take(prototype::COUNT).any(Slot::is_of_debug_port)
             || !sockets().map(Slot::is_of_debug_port).eq(told)
         {

@@ -274,6 +274,7 @@ async fn await_heat<P: PortSet, W: Pend>(
     let mut awaited = heaters;
     for (place, awaited) in awaited.iter_mut().enumerate() {
         let is_on = targets[place] > Celsius::ZERO;
+        // Marlin's S waits only upwards, and R both ways.
         *awaited &= cools || is_on && measured[place].is_none_or(|measured| measured < targets[place]);
     }
     if awaited == [false; HEATERS] {
@@ -292,6 +293,7 @@ async fn await_heat<P: PortSet, W: Pend>(
             if !awaited[place] {
                 continue;
             }
+            // A heater that is off and has no reading cannot tell that it has cooled, so its refusal counts, too.
             let refusal = main_loop.heat.refusal(heater, &main_loop.settings.thermal);
             if let Some(why) = refusal.filter(|_| targets[place] > Celsius::ZERO || measured[place].is_none()) {
                 return Err(no_heat(main_loop, heater, why));
@@ -303,6 +305,7 @@ async fn await_heat<P: PortSet, W: Pend>(
                     awaited[place] = !is_first || cools || at < targets[place];
                     read[place] = now;
                 }
+                // The guards name a reason within half of this time, and then `refusal` has ended the wait with it.
                 None if now >= read[place].after_ms(UNREAD_MS) => {
                     main_loop.job.note_end(JobEnd::Unread { heater });
                     return Err(Interrupt::EndJob);
@@ -319,6 +322,7 @@ async fn await_heat<P: PortSet, W: Pend>(
         };
         let missing = residency.follow(is_within(NEAR), !is_within(FAR), now);
         if now >= next_line {
+            // From the last line's time and not from now, so that lines keep their rate.
             next_line = next_line.after_ms(LINE_MS);
             main_loop.reply(Answer::Heating(missing)).await?;
         }
@@ -339,6 +343,7 @@ async fn await_heat<P: PortSet, W: Pend>(
             Some(Stuck::Tell(heater)) => main_loop.reply(Answer::NoRise(heater)).await?,
             None => {}
         }
+        // The look-ahead would keep the last moves for later ones, and these wait for this line.
         moves = moves && main_loop.motion.let_end(&main_loop.settings, main_loop.now());
         main_loop.poll().await?;
     }

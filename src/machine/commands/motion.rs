@@ -41,6 +41,7 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
         MotionCommand::Retract => return Moves { main_loop, modal, clamps, notices, cold }.retract(retraction).await,
         MotionCommand::Recover => return Moves { main_loop, modal, clamps, notices, cold }.recover(retraction).await,
         MotionCommand::Home(words) => {
+            // In the units of the line (G20), which `home` does not know.
             let raise = words.raise.map(|raise| modal.length(raise));
             apart(pin!(home(main_loop, notices, words, raise))).await?;
             if words.drops_mesh && main_loop.settings.mesh.is_on {

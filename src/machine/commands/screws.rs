@@ -134,11 +134,13 @@ pub(super) async fn level_screws<P: PortSet, W: Pend>(
     if !main_loop.settings.screws.iter().take(screws.motors.len()).all(|screw| screw.is_known()) {
         return Ok(Answer::Line("echo:G34 ignored: a screw or its point has no place. Set them by M422"));
     }
+    // With any heights: whether there is a fit depends on the places alone. So it is refused before a move.
     if screws.find(&[0.0; SCREWS][..screws.points.len()]).is_err() {
         return Ok(Answer::Line(
             "echo:G34 ignored: its points do not show a tilt between the screws. Place them by M422",
         ));
     }
+    // All of them before the first touch, so that the tool does not stop half-way.
     for point in &screws.points {
         if let Err(answer) = nozzle_for(&main_loop.settings, point.map(f32_to_mm)) {
             return Ok(Answer::Probe(answer));

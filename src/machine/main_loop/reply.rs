@@ -106,6 +106,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             let to = &mut Speaker::new(&mut self.progress, &mut self.hosts);
             return says.write(to, &self.settings);
         }
+        // These need all of the main loop, which is taken apart in the next lines.
         let temperatures = self.temperatures();
         let targets = Heater::ALL.map(|heater| self.heat.target(heater));
         let Self {
@@ -140,6 +141,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             }
             Answer::NoHeater(heater) => to.say(format_args!("echo:no {} configured, ignored", heater.name())),
             Answer::NoHeat(code, fault) => to.say(format_args!("echo:{code} ignored: {fault}")),
+            // P is read into a byte, so this one stands for every greater number, too.
             Answer::NoFan(u8::MAX) => to.say(format_args!("echo:M106 ignored: there is no fan of that number")),
             Answer::NoFan(fan) => to.say(format_args!("echo:M106 ignored: there is no fan {fan}")),
             Answer::NotCommanded(fan) => to.say(format_args!("echo:fan {fan} is not commanded")),

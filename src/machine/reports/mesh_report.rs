@@ -59,6 +59,7 @@ pub(in crate::machine) fn report_mesh(
             }
         }
         MeshAnswer::State => {
+            // The setting may be on without a mesh, and then nothing is levelled.
             let is_on = s.mesh.is_on && mesh.is_some();
             to.say(format_args!("echo:Bed Leveling {}", if is_on { "ON" } else { "OFF" }));
             let fade = mesh.map_or(s.mesh.fade, |known| known.mesh.fade());

@@ -36,6 +36,7 @@ pub fn beat() {
         HALVES.store(halves.wrapping_add(1), Ordering::Release);
     }
     let counts = counts();
+    // Five counts are two ticks, so only there a whole tick begins with a whole count.
     let counts = counts - counts % COUNTS_PER_TICK.0;
     // The step interrupt must find two that belong together.
     cortex_m::interrupt::free(|_| {
@@ -123,6 +124,7 @@ impl StepClock for StepTimer {
         // The first count at which the tick has come, of up to 2.5 * 2^30.
         let counts = ticks.wrapping_mul(2).wrapping_add((ticks + 1) >> 1);
         let left = counts.cast_unsigned().wrapping_sub(since_base());
+        // Less one, so that 0, which would stop the timer, counts as passed.
         let is_ahead = left.wrapping_sub(1) < LONGEST;
         if is_ahead {
             step_timer::VALUE.write(left);
