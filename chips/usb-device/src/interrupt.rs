@@ -20,7 +20,7 @@ pub fn on_interrupt<M: RawMutex, const N: usize>(registers: impl Registers, stat
     let mask = registers.read(GINTMSK);
     let pending = registers.read(GINTSTS) & mask;
     if pending & BUS_EVENTS != 0 {
-        // The task handles them, and asks for them again. Until then their flags would raise this interrupt without end.
+        // The task handles them, and asks for them again. Until then their flags would raise this interrupt again.
         registers.write(GINTMSK, mask & !BUS_EVENTS);
         if pending & USBRST != 0 {
             state.end_requests();
