@@ -283,6 +283,7 @@ impl Run {
             }
             Step::Tell(_) | Step::Write(_) | Step::Note(_) => None,
         };
+        // A second wrong value fails. After a single one, two right ones in a row have to follow.
         self.doubt = match (wrong, self.doubt) {
             (None, Doubt::None | Doubt::WrongThenRight) => return self.go_on(),
             (None, Doubt::Wrong) => Doubt::WrongThenRight,

@@ -232,6 +232,7 @@ fn read_fraction(text: &[u8]) -> (u64, &[u8]) {
         carry = product / base;
         *limb = (product % base) as u32;
     }
+    // The carry is the value in units of 2^-32; the limbs are the decimals of one more unit.
     let is_half_or_more = limbs[0] >= POWERS_END / 2;
     (carry + u64::from(is_half_or_more), after)
 }
@@ -252,10 +253,12 @@ impl fmt::Display for Number {
         }
         for (n, &(power, reciprocal)) in POWERS.iter().enumerate() {
             let decimals = ((fraction * u64::from(power) + (1 << 31)) >> 32) as u32;
+            // Rounded up to `power` it would be the next whole number.
             if decimals < power && scale(decimals, power, reciprocal) == fraction {
                 return write!(f, ".{decimals:0n$}");
             }
         }
+        // Ten decimals times 32 bits are more than 64, so the tenth comes by itself.
         let nine = fraction * u64::from(POWERS_END);
         let ten = (nine >> 32) * 10 + (((nine & 0xFFFF_FFFF) * 10 + (1 << 31)) >> 32);
         write!(f, ".{ten:010}")

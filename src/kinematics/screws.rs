@@ -51,6 +51,7 @@ pub fn heights_at_screws(
             }
         }
     }
+    // The normal equations of the fit, with the heights as their last column.
     let factors = solve(rows, terms)?;
     let at = |place| basis.at(place).into_iter().zip(factors).map(|(value, factor)| value * factor).sum::<f32>();
     let mut fitted = [0.0; SCREWS];

@@ -240,6 +240,7 @@ impl Pieces {
             return None;
         }
         let pulse = mul_div(self.sweep.accel_per_hz.to_bits().into(), self.hz, 1 << (8 + 16)).cast_signed();
+        // Forward, back, back, forward, as Klipper has it: after two half periods place and speed are as before.
         let pulse = if self.is_back == self.is_second { pulse } else { -pulse };
         let swing = i64::from(self.sweep.swing.to_bits()) << 8;
         let swing = match (self.swing_left == SubTicks::MAX, self.swings_back) {
@@ -291,6 +292,7 @@ impl Iterator for Pieces {
                 None => self.is_braking = true,
             }
         };
+        // A span has one direction, so a piece ends where the speed is 0.
         let turns = begin.speed != 0 && speed != 0 && (begin.speed < 0) != (speed < 0);
         let piece = if turns {
             let (before, after) = (begin.speed.unsigned_abs(), speed.unsigned_abs());

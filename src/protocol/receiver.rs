@@ -294,6 +294,7 @@ impl Receiver {
     ) -> Option<Incoming<'_>> {
         let is_begun = !self.is_frame_done && !self.frame.is_empty();
         if is_begun {
+            // Someone who types may take any time. A program sends a line in one go, so its end is lost.
             let is_cut = self.frame.is_numbered() || self.numbering.is_stream();
             if !is_cut || !self.silence.has_lasted(patience_ms, now) {
                 return None;

@@ -170,6 +170,7 @@ impl Ring {
                     kept += 1;
                 }
             } else if overtaken.is_some_and(|place| place.wrapping_sub(oldest.wrapping_add(end as u32)) as i32 >= 0) {
+                // It lies before the stop's place, which comes nearer by its length.
                 before += line.length as u32;
             }
             read = end;

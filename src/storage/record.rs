@@ -194,6 +194,7 @@ pub(super) fn decode(record: &[u8], settings: &mut Settings) -> Result<Decoded, 
     let (header, crc) = Header::read(record).ok_or(Rejected::Blank)?;
     let first = HEADER + usize::from(header.length);
     let rest = record.get(HEADER..first).ok_or(Rejected::Damaged)?;
+    // Before the format: only a whole record can be said to be of another firmware.
     if crc32(header.to_bytes().into_iter().chain(rest.iter().copied())) != crc {
         return Err(Rejected::Damaged);
     }

@@ -67,7 +67,9 @@ impl Fan {
         }
         let [least, most] = [self.settings.least, self.settings.most].map(|part| part.to_bits().min(1 << 16));
         let span = u64::from(most.saturating_sub(least));
+        // Plus one, so that full speed is `most` and nothing less.
         let scaled = u64::from(least) + ((span * (u64::from(speed) + 1)) >> 16);
+        // At least 1: the next period would take 0 for a fan that stands, and kick it again.
         self.given = if self.kick > 0 { u16::MAX } else { (scaled.max(1) as u32).min(65_535) as u16 };
         self.kick = self.kick.saturating_sub(1);
         self.given

@@ -228,6 +228,7 @@ impl HeaterLoop {
             Contact::Broken(cause) if self.is_off() || !self.window.is_seen() => {
                 // It has no power, so this is no fault; it just must not heat.
                 self.refuse(Some(cause));
+                // The next valid reading begins a model of its own: what happened in between is unknown.
                 (self.measured, self.observer) = (None, None);
                 self.guards.end();
                 self.guards.follow(&self.settings, false);
@@ -239,6 +240,7 @@ impl HeaterLoop {
             let refused = self.window.look(self.settings.too_hot(), measured, self.is_off())?;
             self.refuse(refused);
         }
+        // What was put out in the last period: a relay is on or off for whole periods, whatever duty was wanted.
         let power = self.power_at(self.given);
         let past = Past { power, is_free: self.is_free, fan: now.fan, filament: now.filament, measured: good };
         match (&mut self.observer, good) {
@@ -258,6 +260,7 @@ impl HeaterLoop {
         if let (Some(seen), Some(observer)) = (seen, &mut self.observer) {
             observer.take_lag(&self.settings, seen, measured);
         }
+        // Before the decision, so that an alarm leaves no duty for this period.
         self.watch(measured, power, now)?;
         let wanted = self.decide(measured, now);
         Ok(self.put_out(wanted))
@@ -298,6 +301,7 @@ impl HeaterLoop {
     /// The duty for the next period.
     fn decide(&mut self, measured: Celsius, now: &Circumstances) -> u16 {
         let most = self.most();
+        // At full power the observer learns the gain instead of the drift, and at none neither: so it is not free.
         if self.is_pulsed && self.ailment.is_none() {
             self.is_free = false;
             return most;

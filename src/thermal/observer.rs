@@ -131,6 +131,7 @@ impl Observer {
         self.to_room = n.loss.saturating_add(times_ratio(n.fan_loss, past.fan));
         self.to_filament = past.filament;
         self.arriving = self.arriving.saturating_add(times(past.power.saturating_sub(self.arriving), n.element));
+        // Both changes are from the state before this period; then the reading corrects the new one.
         let net = self.heat().saturating_sub(self.losses(self.block, self.to_filament));
         let sensor_rise = times(self.block.saturating_sub(self.sensor), n.sensor);
         self.block = self.block.saturating_add(rise(net, n.warming));
@@ -153,6 +154,7 @@ impl Observer {
         let lag = u32::try_from(seen.lag - heater_lag).unwrap_or(u32::MAX).max(settings.model.sensor_lag.to_bits());
         let model = HeaterModel { sensor_lag: Seconds::from_bits(lag), ..settings.model };
         self.numbers = Coefficients::new(&HeaterSettings { model, ..*settings });
+        // At a steady slope a sensor shows what the block was one lag ago.
         let behind = (i64::from(seen.slope.to_bits()) * i64::from(lag)) >> Seconds::FRAC_NBITS;
         self.block = measured.saturating_add(Celsius::from_bits(saturated(behind)));
         self.sensor = measured;

@@ -72,6 +72,7 @@ impl Ring {
             return None;
         }
         let position = (*heard % SIZE) as usize;
+        // Only looked at: `take` comes to the same byte, and clears the bit.
         let is_damaged = self.damaged[position / 32].load(Ordering::Acquire) & 1 << (position % 32) != 0;
         let is_lost = waiting > SIZE;
         *heard = if is_lost { written } else { heard.wrapping_add(1) };

@@ -56,6 +56,7 @@ pub fn comes(is_done: impl Fn() -> bool) -> bool {
 pub fn leave_plls() {
     RCC.cr().modify(|w| w.set_hsion(true));
     let is_ready = comes(|| RCC.cr().read().hsirdy());
+    // Also if it is not ready: the switch waits for it, and the check below for both.
     RCC.cfgr().modify(|w| w.set_sw(Sw::HSI));
     if !is_ready || !comes(|| RCC.cfgr().read().sws() == Sw::HSI) {
         fault::give_up(Cause::ClockFailed, "an internal oscillator that does not run");
@@ -74,6 +75,7 @@ pub fn leave_plls() {
     if !is_off {
         fault::give_up(Cause::ClockFailed, "a clock that cannot be switched off");
     }
+    // Only now, at 16 MHz: undivided, the buses would have been too fast before.
     RCC.cfgr().modify(|w| {
         w.set_hpre(Hpre::DIV1);
         w.set_ppre1(Ppre::DIV1);

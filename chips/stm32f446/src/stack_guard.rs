@@ -77,11 +77,13 @@ pub fn start(mpu: &mut MPU, scb: &mut SCB) {
     // SAFETY: the guards hold no used variable. The linker places none in the stack, and the stack gives up its lowest
     // KiB; there is no memory below. All other memory stays accessible as without an MPU, and no code lies in RAM.
     unsafe {
+        // Off while it changes: a bootloader may have left any regions.
         mpu.ctrl.write(0);
         for region in 0..REGIONS {
             mpu.rnr.write(region);
             mpu.rasr.write(0);
         }
+        // Where regions overlap the highest number counts, so the guard is above the RAM (ARM DDI 0403E, B3.5).
         for (region, base, access) in [
             (REGIONS - 1, bottom(), no_access(GUARD)),
             (REGIONS - 2, bottom() - BELOW, no_access(BELOW)),

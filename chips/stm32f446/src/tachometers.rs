@@ -50,6 +50,7 @@ impl Tachometers {
     /// Lets the timer run if there is one. The inputs are inputs already.
     pub fn start(inputs: [Option<Input>; FANS]) -> Self {
         if inputs.iter().any(Option::is_some) {
+            // High before the first look, so that a wire that is high at start is no pulse.
             INPUTS.fill(inputs.map(|input| input.map(|input| Tachometer { input, was_high: true })));
             RCC.apb1enr().modify(|w| w.set_tim7en(true));
             let _ = RCC.apb1enr().read();

@@ -36,11 +36,13 @@ impl<'d, R: Registers, M: RawMutex, const N: usize> Bus<'d, R, M, N> {
     /// Connects to the bus.
     fn start(&mut self) {
         let r = self.registers;
+        // Disconnected until all is set. The last write shows the device to the host.
         r.write(DCTL, SDIS);
         r.write(DCFG, FULL_SPEED_INTERNAL);
         r.write(DIEPMSK, XFRC);
         r.write(DOEPMSK, STUP | XFRC);
         r.write(DIEPEMPMSK, 0);
+        // Flags from before would count as events of this connection.
         r.write(GINTSTS, u32::MAX);
         r.write(GINTMSK, INTERRUPTS);
         r.set(GAHBCFG, GINT);
@@ -79,6 +81,7 @@ impl<'d, R: Registers, M: RawMutex, const N: usize> Bus<'d, R, M, N> {
         // A global NAK that nobody here asked for ends too.
         r.write(DCTL, CGONAK);
         state.forget_all();
+        // The receive FIFO is first in the memory, and those of the IN endpoints follow it.
         r.write(GRXFSIZ, Shapes::<N>::RECEIVE.into());
         let mut begin = Shapes::<N>::RECEIVE;
         for (n, shape) in self.shapes.ins.iter().enumerate() {

@@ -242,6 +242,7 @@ impl OpenLine {
             return false;
         }
         let (inverse, [a, b], [in_a, in_b, in_filament]) = (1.0 / way.main, way.others, self.slopes);
+        // A straight line to this point must pass every point that is left out, as near as that point asks for.
         if !in_a.has(a * inverse) || !in_b.has(b * inverse) || !in_filament.has(way.filament * inverse) {
             return false;
         }

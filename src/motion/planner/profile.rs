@@ -165,6 +165,7 @@ impl Ramp {
         let share = if slow * 3.0 <= sum {
             ((slow + slow) / sum * const { WHOLE as f32 }) as u32
         } else {
+            // One less (fast - slow) / sum, which is gain / sum^2.
             WHOLE.saturating_sub((gain / (sum * sum) * const { WHOLE as f32 }) as u32)
         };
         if change == SpeedSq::ZERO {

@@ -296,6 +296,7 @@ impl<'m> Window<'m> {
         released.rests = exit.is_none();
         if planned.advance > Seconds::ZERO {
             let [.., end] = planned.spec.end;
+            // By the steps that filament has really come since the last move that left, so that no rounding adds up.
             let way = i128::from(end.wrapping_sub(filament).to_bits()) * i128::from(planned.advance.to_bits());
             released.advance = Steps::from_bits((way >> Seconds::FRAC_NBITS) as i64);
         }
@@ -303,6 +304,7 @@ impl<'m> Window<'m> {
         (self.first, self.front_sq, self.len) = (self.slot(1), exit_sq, self.len - 1);
         self.front_speed = exit_speed;
         self.forced = self.forced.saturating_sub(1);
+        // Its own corner has been passed, and bounds no later move.
         if self.minima.get(0) == Some(slot) {
             self.minima.begin = self.minima.begin.wrapping_add(1);
         }

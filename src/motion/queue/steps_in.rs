@@ -268,6 +268,8 @@ impl<'m> StepsIn<'m> {
     /// already, or if `left` is 0.
     pub(in crate::motion) fn mark(&mut self, left: usize) -> bool {
         let is_waiting = |queue: &StepQueue, number: u32| {
+            // Less one, because the event numbered `done` is held and was looked at. One that is played wraps to a
+            // great number.
             number.wrapping_sub(queue.done.load(Relaxed)).wrapping_sub(1) < SLOTS as u32 - 1
         };
         let number = self.made.wrapping_sub(left as u32);

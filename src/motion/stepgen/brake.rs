@@ -65,6 +65,7 @@ impl PathPoint {
             let slow_share = fraction(2 * after, before + after);
             return (
                 Phase { curve: Curve::Slowing, end: WHOLE, slow_share, time },
+                // A move that rests at its end is planned to stop there, so what is left is rounding.
                 if m.rests { SpeedSq::ZERO } else { left_sq },
             );
         }

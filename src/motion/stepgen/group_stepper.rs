@@ -230,6 +230,7 @@ impl GroupStepper {
     fn begin_way(&mut self, from: Endpoint, to: Endpoint) {
         if from.speed * to.speed < 0.0 {
             let all = ticks(to.time - from.time);
+            // Where a speed that changes evenly is 0. Up to there the mean speed is half of the first.
             let turn = all * (from.speed / (from.speed - to.speed));
             if turn > LEAST_TIME && turn < all - LEAST_TIME {
                 let position = from.position.wrapping_add(from_f32(0.5 * (from.speed * turn)));

@@ -261,6 +261,7 @@ impl<'m> StepGenerator<'m> {
     /// Makes as many events as one call may; whether there is more to do at once.
     #[inline(always)]
     fn make_events(&mut self) -> bool {
+        // First, because a brake or an offset of the epoch before means nothing in the next one.
         if self.status.epoch() != self.epoch || self.has_met_endstop() {
             self.begin_epoch();
         }
@@ -271,6 +272,7 @@ impl<'m> StepGenerator<'m> {
             self.shift_z(false);
         }
         self.note_replay();
+        // Once a call: the Stepper plays on meanwhile, and a limit that moves with it would never be reached.
         let enough = self.far_enough();
         let begin = self.events.made();
         self.dry_at = Some(begin).filter(|_| self.is_under_way);
@@ -283,10 +285,13 @@ impl<'m> StepGenerator<'m> {
             let room = self.events.room();
             if room < LEAST_ROOM || self.is_ahead(enough) {
                 self.publish();
+                // The Stepper calls at half of what waits, and the other half is for coming late. If it is there
+                // already, there is more to do at once.
                 return !self.events.mark(self.events.len() / 2);
             }
             if !self.advance((BATCH - made).min(room as u32), enough) {
                 self.publish();
+                // Nothing can be made before work comes, and then the Console calls.
                 self.events.mark(0);
                 return false;
             }

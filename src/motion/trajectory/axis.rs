@@ -249,6 +249,8 @@ impl Axis {
                 return AxisState::at_rest(spans.end().at(self.index));
             }
             let (span, end) = spans.get(cursor.span);
+            // The two ends of the span have delays of their own, so this copy runs through it a little faster or
+            // slower.
             if cursor.is_inside && self.lateness.stiffening.is_some() {
                 let late = self.lateness;
                 let bounds = (span.begin.time + late.of(tap, &span.begin), end.time + late.of(tap, end));
@@ -256,6 +258,7 @@ impl Axis {
             } else if cursor.is_inside {
                 span.state(self.index, end, time.saturating_sub(tap.late()))
             } else {
+                // Before its first span after a rest.
                 AxisState::at_rest(span.begin.at(self.index))
             }
         };

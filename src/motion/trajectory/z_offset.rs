@@ -77,6 +77,7 @@ impl ZOffset {
         if half < SHORTEST_HALF || steps == 0 {
             return false;
         }
+        // Back from whole steps to their time. Both limits rise with the steps, so it is no longer than `half`.
         let (needed, slowest) = (root(steps as f32 / acceleration), steps as f32 / speed);
         let needed = if needed > slowest { needed } else { slowest };
         let half = time(if needed > SHORTEST_HALF { needed } else { SHORTEST_HALF });
