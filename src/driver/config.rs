@@ -69,6 +69,7 @@ impl Config {
 
     fn of(d: &DriverSettings, steps_per_mm: StepsPerMm) -> Self {
         let (vsense, run) = current_scale(d.current_ma);
+        // The current goes with CS + 1 (section 9), so the share is of that.
         let hold = ((run + 1) * u32::from(d.hold_percent) / 100).saturating_sub(1);
         let mode = if d.stealth { 0 } else { gconf::EN_SPREADCYCLE };
         let mres = 8 - d.microsteps.ilog2().min(8);

@@ -124,6 +124,7 @@ impl Groups {
                 *group = Group { row, with, against, lead };
             }
         }
+        // Groups instead of motors: all motors of a group have one count.
         groups.back = ForwardKinematics::new(groups.groups.map(|group| group.row)).unwrap_or(ForwardKinematics::NONE);
         groups
     }

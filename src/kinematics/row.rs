@@ -49,6 +49,7 @@ pub fn row_of(number: i16) -> Option<Row> {
     let multiple = i8::try_from(before + 1).ok()?;
     let mut row = [0; 4];
     for times in row.iter_mut().rev() {
+        // The last digit in balanced ternary: -1, 0 or 1.
         let one = (ternary + 1).rem_euclid(3) - 1;
         ternary = (ternary - one) / 3;
         *times = multiple * i8::try_from(one).ok()?;

@@ -106,6 +106,7 @@ fn solve(mut rows: [[f32; SCREWS + 1]; SCREWS], terms: usize) -> Result<[f32; SC
         if pivot.abs() < LEAST_PIVOT {
             return Err(FitError::NoBase);
         }
+        // The rows above, too: then each factor stands alone, and nothing has to be put in backwards.
         for row in rows.iter_mut().take(terms).enumerate().filter(|(number, _)| *number != column).map(|(_, row)| row) {
             let times = row.get(column).copied().unwrap_or_default() / pivot;
             for (value, subtracted) in row.iter_mut().zip(pivot_row) {

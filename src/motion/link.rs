@@ -132,6 +132,7 @@ impl<'m, W: Pend> Link<'m, W> {
         let way = end.wrapping_sub(core::mem::replace(&mut self.z, end));
         self.send(Work::Move(m));
         if way != Steps::ZERO && ZLimits::half_of(z).may_be_exceeded_by(&m, way) {
+            // The last fast move in z: quiet begins where it ends.
             (self.fast_left, self.calm) = (self.left, SubTicks::ZERO);
         }
     }

@@ -106,6 +106,7 @@ impl SurfaceFrame {
         let deviation = height * self.unit - self.mean;
         let [share, change] = self.fade.share(to_f32(z.0));
         let position = z.0.wrapping_add(from_f32(self.mean + share * deviation));
+        // By the rule of products: the deviation changes as the tool goes, and its share as z goes.
         (position, z.1 + share * climb + (change * deviation) * z.1)
     }
 

@@ -80,10 +80,12 @@ impl Sweep {
             sweep: *self,
             hz: (self.from.to_bits() as u64) << 16,
             left: SubTicks::ZERO,
+            // The first pulse turns both round, and so goes forward.
             is_second: true,
             is_back: true,
             period,
             swing_left: if has_swing { first } else { SubTicks::MAX },
+            // The first two turns are special (Klipper's law of times). All later ones are half a period apart.
             turn: SubTicks(first.0 + period.0 / 4),
             swings_back: false,
             is_braking: false,

@@ -137,6 +137,7 @@ impl Frame {
         } else if self.length > CAPACITY {
             self.length -= 1;
         } else {
+            // What a quote, a parenthesis or a `*` has begun cannot be undone byte by byte, so the line is read again.
             let (text, length, is_damaged) = (self.text, self.length.saturating_sub(1), self.is_damaged);
             self.clear();
             text.iter().take(length).for_each(|byte| self.push(*byte));

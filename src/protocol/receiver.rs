@@ -344,6 +344,7 @@ impl Receiver {
             if core::mem::replace(&mut self.is_frame_done, false) {
                 self.frame.clear();
             }
+            // All bytes without a meaning of their own at once, as far as they lie together.
             let plain = self.frame.push_plain(self.ring.together());
             self.ring.skip(plain);
             if self.ring.is_empty() {

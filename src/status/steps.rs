@@ -40,6 +40,8 @@ impl Status {
         loop {
             let lag = self.lag.load(Acquire);
             let tick = self.due.load(Acquire).wrapping_sub(lag);
+            // The Stepper may have come in between. Events move `due` alone, which is right at any time; a new lag
+            // moves both.
             if self.lag.load(Acquire) == lag {
                 return tick;
             }

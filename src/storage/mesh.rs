@@ -141,6 +141,7 @@ fn encode(stored: &StoredMesh, machine: u32, sequence: u32) -> Option<([u8; ROOM
         .chain(temperatures.iter().flat_map(|celsius| celsius.unwrap_or(UNREAD).to_le_bytes()))
         .chain([heights.columns() as u8, heights.rows() as u8])
         .chain(heights.points().flat_map(i16::to_le_bytes));
+    // Behind magic and sum, which are known afterwards.
     let payload = bytes.get_mut(8..length)?;
     for (slot, byte) in payload.iter_mut().zip(all) {
         *slot = byte;
@@ -314,6 +315,7 @@ pub async fn save_mesh(storage: &mut impl Storage, mesh: &StoredMesh, s: &Settin
     };
     let (bytes, length) = encode(mesh, machine_of(s), sequence).ok_or(MeshNotSaved::TooLarge)?;
     let used = bytes.get(..length).unwrap_or_default();
+    // The header with the sum is the last to come, so a cut leaves no whole record.
     for (number, page) in used.chunks(PAGE).enumerate().rev() {
         storage.write(address(place, number), page).await?;
     }

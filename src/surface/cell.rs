@@ -104,6 +104,7 @@ fn sum([a, b, c, d]: &[f32; 4], [p, q, r, s]: &[f32; 4]) -> f32 {
 /// Heights of a line as Bezier's control points.
 #[inline(always)]
 fn control([a, b, c, d]: [&mut f32; 4]) {
+    // The law's slope at b is half of c - a, and Bezier's next point lies a third of a cell along it.
     let (before, after) = (*c - *a, *d - *b);
     (*a, *d) = (*b, *c);
     *b += before * const { 1.0 / 6.0 };
@@ -156,6 +157,8 @@ impl Cell {
         for (i, row) in net.iter().enumerate() {
             let (dx, dxx) = changes(*row);
             let (dy, dyy) = changes([net[0][i], net[1][i], net[2][i], net[3][i]]);
+            // A cubic's slope is three times a difference of its control points, its curvature six times one of two
+            // differences.
             bounds.dx = most(bounds.dx, 3.0 * dx);
             bounds.dy = most(bounds.dy, 3.0 * dy);
             bounds.dxx = most(bounds.dxx, 6.0 * dxx);
@@ -164,6 +167,7 @@ impl Cell {
         for j in 0..3 {
             let (from, to) = (&net[j], &net[j + 1]);
             let (dxy, _) = changes([to[0] - from[0], to[1] - from[1], to[2] - from[2], to[3] - from[3]]);
+            // Three along each axis.
             bounds.dxy = most(bounds.dxy, 9.0 * dxy);
         }
         bounds

@@ -55,6 +55,7 @@ impl Heights {
         all().for_each(|[column, row]| set(&mut points, [column, row], measured(column, row)));
         // Each round gives at least one point its height.
         for _ in 0..MOST_POINTS * MOST_POINTS {
+            // All points of a round come from those of the round before, so that their order makes no difference.
             let before = points;
             let missing = || all().filter(|at| beside(&before, *at, [0, 0]).is_none());
             if missing().next().is_none() {

@@ -147,6 +147,7 @@ pub fn start(kind: Kind, rate: u16, wire: &mut impl Wire) -> Result<(), SensorFa
     let row = row(kind);
     let [register, identity] = row.identity;
     let read = |wire: &mut _| register_of(wire, register);
+    // It does not count: see the head.
     read(wire);
     let mut id = 0;
     if !(0..3).any(|_| {
@@ -262,6 +263,7 @@ impl Reader {
         let [_, x0, x1, y0, y1, z0, z1, behind, _] = *bytes;
         let raw = [[x0, x1], [y0, y1], [z0, z1]].map(i16::from_le_bytes);
         let is_possible =
+            // The bits above the number repeat its sign, so only all ones or all zeros are possible there.
             raw.iter().all(|axis| matches!(axis >> self.row.sign_from, 0 | -1) && axis & self.row.zeros == 0);
         if !is_possible || self.row.behind.is_some_and(|value| value != behind) {
             self.damage = self.damage.saturating_add(DAMAGE);

@@ -109,6 +109,7 @@ impl FlashSlot {
         }
         self.erased = number;
         flash.program(self.page_at(number), page)?;
+        // A save writes page 0 last, so all pages are there.
         if number == 0 {
             flash.program(self.sector + WHOLE_AT, &WHOLE)?;
             self.holds = Holds::Whole;
@@ -163,16 +164,20 @@ impl FlashSlot {
         if matches!(self.holds, Holds::Unread) {
             return Err(StorageError::Failed);
         }
+        // That mark may be of a cut write, and may read otherwise tomorrow. From the erase on it has the only settings.
         if matches!(other.holds, Holds::Whole) {
             flash.program(other.sector + WHOLE_AT, &WHOLE)?;
         }
         let note = self.note(flash)?;
         (self.holds, self.erased) = (Holds::Nothing, 0);
+        // Zeros first: after a cut erase the cells may read as anything, and then as ERASED only by chance (see the
+        // head).
         flash.program(self.sector, &[0; PAGES_AT as usize])?;
         flash.erase(self.sector)?;
         if note != BLANK {
             flash.program(self.note_at(0), &note)?;
         }
+        // Last, when the note is back: without it the sector is erased again before anything is written.
         flash.program(self.sector, &ERASED)?;
         (self.holds, self.erased) = (Holds::Begun, PAGES);
         Ok(())

@@ -273,6 +273,7 @@ impl Engine {
     }
 
     fn on_transfer(&mut self) {
+        // The flag is gone if the transfer was ended (`end_transfers`) with the interrupt pending.
         if !DMA1.isr(SENSOR_INPUT.stream / 4).read().tcif(SENSOR_INPUT.stream % 4) {
             return;
         }

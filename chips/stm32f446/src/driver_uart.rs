@@ -72,6 +72,7 @@ impl DriverUart {
         critical_section::with(|_| {
             ENGINE.with(|engine| {
                 engine.let_go();
+                // A tick of the exchange before may be pending, and would be the first of this one.
                 NVIC::unpend(IRQ);
                 engine.wire = wire.map(|pin| Wire { pin, port: ports::registers(pin.port) });
                 engine.exchange.begin(request, reply);
@@ -98,6 +99,7 @@ impl Engine {
             Action::Stay => {}
             Action::Drive { is_high } => ports::store(port, if is_high { high } else { high << 16 }),
             Action::Take => {
+                // The level first, so that the line does not fall for a moment.
                 ports::store(port, high);
                 ports::make_output(pin);
             }

@@ -136,6 +136,7 @@ impl StepClock for StepTimer {
         }
         // The tick may have begun by now, so this may be below zero.
         let cycles = until(at).cast_signed().max(NEAR.cast_signed() * CYCLES.cast_signed());
+        // Far away the cycles may have wrapped, so the timer rings early and is set again.
         let is_far = left.cast_unsigned() > LONGEST / CYCLES;
         ring_in(&mut self.timer, if is_far { LONGEST } else { cycles.cast_unsigned() });
         self.timer.enable_counter();

@@ -38,6 +38,7 @@ impl CallRate {
             self.since.store(now, Ordering::Relaxed);
             self.calls.store(0, Ordering::Relaxed);
         }
+        // A load and a store: the handler that counts here does not interrupt itself.
         let calls = self.calls.load(Ordering::Relaxed) + 1;
         self.calls.store(calls, Ordering::Relaxed);
         calls > MOST

@@ -79,6 +79,7 @@ fn TIM7() {
             let Some(Tachometer { input, was_high }) = tachometer else { continue };
             let is_high = ports::is_high(input.pin);
             if is_high && !*was_high {
+                // A load and a store: no other context writes it.
                 pulses.store(pulses.load(Ordering::Relaxed).wrapping_add(1), Ordering::Relaxed);
             }
             *was_high = is_high;

@@ -114,6 +114,7 @@ fn grid(text: &[u8]) -> BedCommand<'static> {
     let value = |letter: u8| number(text, letter);
     let [x, y, width, depth] = [b'X', b'Y', b'W', b'H'].map(value);
     let phase = value(b'P').map(Number::to_int);
+    // Marlin's W writes a single point and has no number; Prusa's is a width.
     if flag(b'W') && (flag(b'I') || width.is_none()) {
         let point = match [value(b'I'), value(b'J')] {
             [Some(i), Some(j)] => MeshPoint::Number([i, j]),
@@ -145,6 +146,7 @@ fn grid(text: &[u8]) -> BedCommand<'static> {
     };
     BedCommand::Measure(GridWords {
         area,
+        // H without W is Marlin's square of that size.
         square: if width.is_none() { depth } else { None },
         only_without: flag(b'O'),
         is_dry: flag(b'D'),

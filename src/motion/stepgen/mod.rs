@@ -408,6 +408,7 @@ impl<'m> StepGenerator<'m> {
             while !GroupStepper::is_known(group, &mut self.trajectory, time) {
                 match self.lay_more() {
                     LayResult::Laid => {}
+                    // Nothing follows, so the axes rest where they are, and that is all that a group needs to know.
                     LayResult::AtRest => break,
                     LayResult::Starved => return false,
                 }

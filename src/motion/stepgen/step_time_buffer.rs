@@ -125,6 +125,7 @@ impl StepTimeBuffer {
         let wanted = (left as usize).min(MOST);
         let Some(ticks) = self.ticks.get_mut(..wanted) else { return (0, false) };
         solver.fill(ticks);
+        // Only where two pulses may be too close. Elsewhere the loop would cost a comparison a step.
         if solver.is_dense || ticks.first().is_some_and(|first| is_before(*first, self.earliest)) {
             let mut earliest = self.earliest;
             for tick in &mut *ticks {

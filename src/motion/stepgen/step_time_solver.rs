@@ -244,6 +244,7 @@ impl StepTimeSolver {
         let slowest = self.square(if self.curve == Curve::Slowing { distance - count } else { distance });
         let rough = 4.0 * (self.rise * count) / slowest;
         let error = rough * rough * rough * count;
+        // Both sides squared, because u is the root of `slowest`.
         slowest > 0.0
             && error * error <= MOST_ROUGHNESS * slowest
             && count * count < LONGEST_RUN * LONGEST_RUN * slowest

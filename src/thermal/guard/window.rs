@@ -55,6 +55,7 @@ impl Window {
         let (cause, limit) = if measured > most { (Cause::TooHot, most) } else { (Cause::TooCold, LEAST) };
         let is_inside = LEAST <= measured && measured <= most;
         if is_inside {
+            // A refusal ends after as many readings inside as a fault needs outside.
             let is_over = self.refused.is_none() || self.periods <= 1;
             self.periods = if is_over { 0 } else { self.periods - 1 };
             self.refused = self.refused.filter(|_| !is_over);
@@ -62,6 +63,7 @@ impl Window {
         } else if !self.is_seen || is_off && cause == Cause::TooCold {
             (self.refused, self.periods) = (Some(cause), MOST);
         } else {
+            // It was counting readings inside until now, and begins with those outside.
             self.periods = if self.refused.take().is_some() { 1 } else { self.periods.saturating_add(1) };
             if self.periods >= MOST {
                 return Err(Alarm { cause, value: measured, limit });

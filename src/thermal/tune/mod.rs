@@ -232,6 +232,7 @@ impl Tune {
         }
         let Some((_, since)) = self.half_way else { return };
         self.rise_periods = self.periods - since;
+        // The smooth reading lags behind a rise. The rise after the cut is counted from the reading itself.
         (self.cut_at, self.smooth) = (measured, measured);
         (self.phase, self.is_on, self.periods, self.swing.most) = (Phase::Peak, false, 0, measured);
     }
