@@ -104,6 +104,7 @@ pub fn quotient(dividend: u64, divisor: u32) -> u32 {
     // With its highest bit set, the divisor's upper half alone gives a digit to within two.
     let shift = divisor.leading_zeros();
     let divisor = divisor << shift;
+    // In two shifts: where `shift` is 0 a single one would be by 32, which is not defined.
     let (upper, lower) = (upper << shift | lower >> 1 >> (31 - shift), lower << shift);
     let (first, rest) = digit(upper, lower >> 16, divisor);
     let (second, _) = digit(rest, lower & 0xFFFF, divisor);
@@ -116,6 +117,7 @@ pub fn quotient(dividend: u64, divisor: u32) -> u32 {
 const fn digit(rest: u32, next: u32, divisor: u32) -> (u32, u32) {
     let (upper, lower) = (divisor >> 16, divisor & 0xFFFF);
     let (mut digit, mut left) = (rest / upper, rest % upper);
+    // At most twice: the estimate is too great by two at most.
     while left >> 16 == 0 && (digit >> 16 != 0 || digit * lower > (left << 16 | next)) {
         digit -= 1;
         left += upper;

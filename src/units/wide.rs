@@ -37,6 +37,7 @@ const fn wide_mul_div(a: u64, b: u64, divisor: u64) -> u64 {
 const fn digit(rest: u64, next: u32, divisor: u64) -> (u64, u64) {
     let (upper, lower) = (divisor >> 32, divisor & 0xFFFF_FFFF);
     let (mut digit, mut left) = (rest / upper, rest % upper);
+    // At most twice: the estimate is too great by two at most.
     while digit >> 32 != 0 || (left >> 32 == 0 && digit * lower > (left << 32 | next as u64)) {
         digit -= 1;
         left += upper;

@@ -17,7 +17,8 @@ use crate::units::{Feed, Length, MmPerSec, MmPerSec2, Ratio, SpeedSq, Steps, Sub
 fn cruise_time(level: Length, nominal: Feed) -> SubTicks {
     let guess = long_time(mm(level) / feed_speed(nominal) * const { TICKS_PER_SECOND as f32 }).0;
     let nominal = nominal.to_bits();
-    // Both products may wrap; their difference fits 63 bits.
+    // 32 fractional bits of the length and 4 more, over 20 of the feed, are the 16 of a time. Both products may wrap;
+    // their difference fits 63 bits.
     let product =
         level.0.wrapping_mul(const { (TICKS_PER_SECOND as u64) << (Feed::FRAC_NBITS - MmPerSec::FRAC_NBITS) });
     let remainder = product.wrapping_sub(guess.wrapping_mul(nominal.into())).cast_signed();

@@ -269,6 +269,7 @@ impl<'m> Window<'m> {
         let count = count.min(self.len);
         if count > self.forced {
             let (more, slot, end_sq) = (count - self.forced, self.slot(self.forced), self.total_gain_sq);
+            // From the first that is new, and on from the begin of the ring.
             if let Some((wrapped, straight)) = self.moves.split_at_mut_checked(slot) {
                 straight.iter_mut().chain(wrapped).take(more).for_each(|planned| planned.forced_end_sq = end_sq);
             }

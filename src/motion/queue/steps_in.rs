@@ -73,6 +73,7 @@ impl Run<'_> {
             word_slot.store(word, Relaxed);
             (now, tick) = (tick, *after);
             count += 1;
+            // After the last step comes the first unknown tick, which is not before `until`, and ends this as well.
             if tick != *other || !is_before(tick, until) {
                 break;
             }

@@ -140,6 +140,8 @@ impl Axis {
         let scale = self.stiffening.scale(at);
         let Some((before, time)) = before else { return scale };
         let farthest = self.taps.iter().map(|tap| (i64::from(tap.delay) - self.lateness.mean).unsigned_abs()).max();
+        // A quarter of the time, over the farthest distance of a tap from the mean. Times have 16 fractional bits,
+        // delays 8, scales 30.
         let most = (time.0 >> 2).min(1 << 32) * (1 << 22) / farthest.unwrap_or_default().max(1);
         let most = most.min(u64::from(ONE)) as u32;
         scale.clamp(before.saturating_sub(most), before.saturating_add(most))
@@ -179,6 +181,7 @@ impl Axis {
     /// Next change of its motion up to `until`, or that time: spans in which it stands still are no change.
     pub fn next_motion(&self, spans: &impl Spans, until: SubTicks) -> SubTicks {
         let ([tap], [cursor, ..]) = (self.taps.as_slice(), &self.cursors) else {
+            // With several taps one or the other is nearly always in motion.
             return self.next_change(spans).min(until);
         };
         let mut number = cursor.span;
