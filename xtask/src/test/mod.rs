@@ -8,6 +8,7 @@ mod demand;
 mod exchanges;
 mod halt;
 mod lane;
+mod package;
 mod processor;
 mod size;
 mod slowest;
@@ -80,7 +81,7 @@ const NAMED: usize = 10;
 const TOOLS: &str = "tools";
 
 /// In each lane in this order, as quick steps should fail first.
-const STEPS: [Step; 19] = [
+const STEPS: [Step; 20] = [
     Step { name: TOOLS, lane: First, heading: "target, lints and emulator are there", run: tools::ensure },
     Step { name: "format", lane: First, heading: "rustfmt has nothing to change", run: cargo::format },
     Step { name: "build", lane: First, heading: "programs and tests of this computer build", run: cargo::build },
@@ -92,6 +93,12 @@ const STEPS: [Step; 19] = [
         run: cargo::build_page,
     },
     Step { name: "doc", lane: Host, heading: "documentation builds without warnings", run: cargo::document },
+    Step {
+        name: "package",
+        lane: Host,
+        heading: "a program is built on the core as it is published",
+        run: package::check,
+    },
     // Clients wait for most of their time, in which the other lane has both processors; so they are not the last. By
     // now the other lane has built QEMU's image.
     Step { name: "clients", lane: Host, heading: "printcore and OctoPrint print on it", run: clients::check },
