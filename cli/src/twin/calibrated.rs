@@ -1,6 +1,7 @@
 //! Calibrated: numbers of a machine found from measurements, as a table `[twin]` with the source of each.
 
 use super::measured::Measured;
+use super::octave::octaves;
 use anyhow::{Context as _, Result, anyhow};
 use corehbot_twin::calibration::{
     CalibrateError, Calibrated as Found, Direction, Estimate, Figure, Further, Improved, Misfit, Parameter, Unknown,
@@ -61,6 +62,9 @@ struct Told {
     measurement: String,
     #[serde(flatten)]
     misfit: Misfit,
+    /// A pluck that seems to be an octave off.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    doubt: Option<&'static str>,
 }
 
 /// A measurement that would help.
@@ -88,6 +92,7 @@ impl Calibrated {
         let reach = workspace(machine, was);
         let Measured { measurements, fixed } = Measured::read(path, machine, was, &reach)?;
         let (names, measurements): (Vec<_>, Vec<_>) = measurements.into_iter().unzip();
+        let doubts = octaves(&measurements, was);
         let found = calibrate(machine, was, &measurements, &fixed);
         let found = found.map_err(|error| unlike(&names, error)).with_context(|| path.display().to_string())?;
         let Found { params, estimates, not_told, unasked, misfits, spread, further } = found;
@@ -107,8 +112,12 @@ impl Calibrated {
             improves,
         };
         let further = further.into_iter().map(helps).collect();
-        let told = |(measurement, misfit): (&String, Misfit)| Told { measurement: measurement.clone(), misfit };
-        let measurements = names.iter().zip(misfits).map(told).collect();
+        let told = |((measurement, misfit), doubt): ((&String, Misfit), _)| Told {
+            measurement: measurement.clone(),
+            misfit,
+            doubt,
+        };
+        let measurements = names.iter().zip(misfits).zip(doubts).map(told).collect();
         let was = was.clone();
         Ok(Self { routing, estimates, not_told, unasked, fixed, measurements, spread, further, params, was })
     }
@@ -203,10 +212,11 @@ impl std::fmt::Display for Calibrated {
                 }
             }
         }
-        for Told { measurement, misfit: Misfit { part, uncertainties, .. } } in &self.measurements {
+        for Told { measurement, misfit: Misfit { part, uncertainties, .. }, doubt } in &self.measurements {
             let percent = 100.0 * part;
             write!(f, "# {measurement}: the model says {percent:+.1} %, {:.1} uncertainties", uncertainties.abs())?;
-            writeln!(f, "{}", if uncertainties.abs() > SUSPICIOUS { "; look at it again" } else { "" })?;
+            write!(f, "{}", if uncertainties.abs() > SUSPICIOUS { "; look at it again" } else { "" })?;
+            writeln!(f, "{}", doubt.map_or_else(String::new, |doubt| format!("; {doubt}")))?;
         }
         for (place, Helps { measurement, improves, .. }) in self.further.iter().enumerate() {
             let lead = if place == 0 { "What would help most now" } else { "Then" };

@@ -7,6 +7,7 @@ mod calibrated;
 mod fit;
 mod limits;
 mod measured;
+mod octave;
 mod play;
 mod point;
 mod resonance;

@@ -55,6 +55,29 @@ fn what_an_owner_measured_becomes_a_file_of_parameters() {
     assert!(String::from_utf8(kept.stdout).unwrap().contains("width_mm = 480"));
 }
 
+/// Reproducer: one pluck alone contradicts nothing, so a harmonic became four times the tension without a word.
+#[test]
+fn a_pluck_that_is_an_octave_off_is_named() {
+    let example = std::fs::read_to_string("../examples/twin/measured.toml").unwrap();
+    assert!(example.contains("frequency_Hz = 74.4"));
+    let second = "[[pluck]]\nlength_mm = 380\nfrequency_Hz = 74.0\n";
+    for (own, more, doubt) in [
+        ("148.8", "", Some("an octave high: is it a harmonic?")),
+        ("37.2", "", Some("an octave low: was half of the pitch read?")),
+        ("74.4", "", None),
+        ("90", second, None),
+    ] {
+        let text = example.replace("frequency_Hz = 74.4", &format!("frequency_Hz = {own}")) + more;
+        let path = file("octave.toml", &text);
+        let output = twin(&format!("fit {}", path.display()));
+        let said = String::from_utf8([output.stdout, output.stderr].concat()).unwrap();
+        match doubt {
+            Some(doubt) => assert!(said.contains(doubt) && said.contains("# pluck in line 9"), "{own}: {said}"),
+            None => assert!(!said.contains("octave"), "{own}: {said}"),
+        }
+    }
+}
+
 #[test]
 fn measurements_that_do_not_do_are_told_in_one_line() {
     let ring = "[[ring]]\nat = [195, 208.8]\nx_Hz = 101\n";

@@ -73,9 +73,11 @@ pub fn zigzag(machines: &[Zigzag]) -> String {
 pub fn level(level: &Level) -> String {
     const PANEL: [f64; 2] = [230.0, 150.0];
     const COLUMNS: usize = 3;
-    let cases: Vec<&Case> = level.cases.iter().filter(|case| case.kind != Kind::Motion).collect();
+    let drawn = level.cases.iter().filter(|case| case.kind != Kind::Motion);
+    // Those would be one picture again and again.
+    let (flat, cases): (Vec<&Case>, Vec<&Case>) = drawn.partition(|case| is_flat(case));
     let rows = cases.len().div_ceil(COLUMNS);
-    let size = [COLUMNS as f64 * PANEL[0], rows as f64 * PANEL[1] + 20.0];
+    let size = [COLUMNS as f64 * PANEL[0], rows as f64 * PANEL[1] + 36.0];
     let mut drawing = Drawing::new(size, "a CoreXYZ's gantry, tilted and racked by its belts");
     for (index, case) in cases.iter().enumerate() {
         let corner = [(index % COLUMNS) as f64 * PANEL[0], (index / COLUMNS) as f64 * PANEL[1]];
@@ -85,16 +87,25 @@ pub fn level(level: &Level) -> String {
         "belts taken up and motors turned by {} mm; each panel has its own scale of tilt and racking, dashed is level",
         level.taken_up_mm
     );
-    drawing.text([8.0, size[1] - 6.0], Anchor::Start, &about, "class=\"small\"");
+    drawing.text([8.0, size[1] - 22.0], Anchor::Start, &about, "class=\"small\"");
+    let names: Vec<&str> = flat.iter().map(|case| case.name.as_str()).collect();
+    let names = format!("level and not racked: {}", names.join("; "));
+    drawing.text([8.0, size[1] - 6.0], Anchor::Start, &names, "class=\"small\"");
     drawing.finish()
+}
+
+/// mrad and mm that count as none.
+const NONE: f64 = 1e-6;
+
+/// Whether the gantry stays level and the bar square.
+fn is_flat(case: &Case) -> bool {
+    case.bar_mrad.abs() < NONE && case.corners_mm.iter().all(|rise| rise.abs() < NONE)
 }
 
 /// One gantry as a parallelogram with its bar.
 fn gantry(drawing: &mut Drawing, [left, top]: [f64; 2], case: &Case) {
     /// Pixels of the largest rise, and of the largest way of the bar's end.
     const FARTHEST: f64 = 13.0;
-    /// mrad and mm that count as none.
-    const NONE: f64 = 1e-6;
     let most = case.corners_mm.iter().fold(0.0_f64, |most, rise| most.max(rise.abs()));
     let per_mm = if most > NONE { FARTHEST / most } else { 0.0 };
     let racked = if case.bar_mrad.abs() > NONE { 0.12 * case.bar_mrad.signum() } else { 0.0 };

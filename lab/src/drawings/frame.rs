@@ -4,6 +4,7 @@ use crate::queries::soft_frame::SoftFrame;
 use corehbot_report::svg::chart::{Chart, Curve};
 use corehbot_report::svg::{Anchor, Drawing};
 use corehbot_twin::routing::Machine;
+use std::collections::BTreeMap;
 
 /// Size of a chart, in pixels.
 const SIZE: [f64; 2] = [470.0, 260.0];
@@ -51,17 +52,19 @@ fn torques(answer: &SoftFrame) -> Chart {
 
 /// Frequencies over the stiffness of the frame.
 fn frequencies(answer: &SoftFrame) -> Chart {
-    let count = answer.frames.first().map_or(0, |frame| frame.frequencies_hz.len());
-    let soft = (0..count).map(|mode| Curve {
-        name: format!("mode {}", mode + 1),
-        colour: mode,
-        is_dashed: false,
-        places: answer
-            .frames
-            .iter()
-            .filter_map(|frame| Some([frame.stiffness_n_per_mm, *frame.frequencies_hz.get(mode)?]))
-            .collect(),
-    });
+    let (mut soft, mut places) = (Vec::new(), BTreeMap::<(&str, usize), Vec<[f64; 2]>>::new());
+    for frame in &answer.frames {
+        for (place, (hz, axis)) in frame.frequencies_hz.iter().zip(&frame.along).enumerate() {
+            // The modes of an axis in their order, however those of other axes lie between.
+            let before = frame.along.iter().take(place).filter(|other| *other == axis).count();
+            places.entry((axis, before)).or_default().push([frame.stiffness_n_per_mm, *hz]);
+        }
+    }
+    for (colour, ((axis, before), places)) in places.into_iter().enumerate() {
+        let which = if before == 0 { "lower" } else { "upper" };
+        soft.push(Curve { name: format!("along {axis}, {which}"), colour, is_dashed: false, places });
+    }
+    let count = soft.len();
     let ends = [answer.frames.first(), answer.frames.last()].map(|frame| frame.map_or(0.0, |at| at.stiffness_n_per_mm));
     let rigid = answer.rigid_hz.iter().map(|hz| Curve {
         name: format!("rigid frame, {hz:.1} Hz"),
@@ -72,6 +75,6 @@ fn frequencies(answer: &SoftFrame) -> Chart {
     Chart {
         title: "Frequencies of tool and frame".to_owned(),
         axes: ["stiffness of the frame, N/mm", "Hz"].map(str::to_owned),
-        curves: soft.chain(rigid).collect(),
+        curves: soft.into_iter().chain(rigid).collect(),
     }
 }

@@ -31,6 +31,9 @@ use std::collections::BTreeMap;
 /// Places along a stroke.
 const PLACES: usize = 41;
 
+/// Where room ends is found to a micrometre: 10 mm between two places, halved so often.
+const HALVINGS: u32 = 14;
+
 /// An offset for which torques are proportional to it, in mm.
 const SMALL_MM: f64 = 1e-3;
 
@@ -186,9 +189,8 @@ impl Misalignment {
         let slanted = slanted(setup, &off.belts);
         let reach = workspace(machine, params);
         let Place { x, y, .. } = setup.tool;
-        let along = |places: Vec<Place>| {
-            let has_room = |tool: &Place| off.longer(*tool).is_ok();
-            places.into_iter().filter(has_room).map(|tool| off.on_stroke(tool)).collect::<Result<_, _>>()
+        let along = |stroke: [f64; 2], at: &dyn Fn(f64) -> Place| {
+            off.with_room(stroke, at).into_iter().map(|way| off.on_stroke(at(way))).collect::<Result<_, _>>()
         };
         Ok(Self {
             at: setup.at(),
@@ -197,8 +199,8 @@ impl Misalignment {
             paper: torques(offsets),
             slanted,
             yaw_mrad: yaw_mrad(setup, slanted.bar_nm),
-            along_x: along(points(reach.x, PLACES).into_iter().map(|x| reach.at(x, y)).collect())?,
-            along_y: along(points(reach.y, PLACES).into_iter().map(|y| reach.at(x, y)).collect())?,
+            along_x: along(reach.x, &|x| reach.at(x, y))?,
+            along_y: along(reach.y, &|y| reach.at(x, y))?,
             per_mm: pulleys(&machine.stops(), |stop| stop.block() != Block::Frame).into_iter().map(per_mm).collect(),
         })
     }
@@ -300,6 +302,31 @@ impl Off<'_> {
         };
         let all: Vec<f64> = aligned.iter().zip(&off).map(longer).collect();
         if all.iter().all(|longer| longer.is_finite()) { Ok(all) } else { Err(MisalignmentError::NoRoom) }
+    }
+
+    /// Places along a stroke where the belt has room. Where it ends within the stroke, the last place with room is one:
+    /// lines are shortest there, and spans pull most.
+    fn with_room(&self, stroke: [f64; 2], at: &dyn Fn(f64) -> Place) -> Vec<f64> {
+        let has_room = |way: f64| self.longer(at(way)).is_ok();
+        let last = |mut room: f64, mut none: f64| {
+            for _ in 0..HALVINGS {
+                let middle = f64::midpoint(room, none);
+                if has_room(middle) { room = middle } else { none = middle }
+            }
+            room
+        };
+        let (mut found, mut before) = (Vec::new(), None);
+        for way in points(stroke, PLACES) {
+            let is_there = has_room(way);
+            match before {
+                Some((other, true)) if !is_there => found.push(last(other, way)),
+                Some((other, false)) if is_there => found.push(last(way, other)),
+                _ => {}
+            }
+            found.extend(is_there.then_some(way));
+            before = Some((way, is_there));
+        }
+        found
     }
 
     /// Motors hold, and the rest finds its balance.

@@ -4,11 +4,12 @@
 use super::compare::COMPARED;
 use super::frame::FrameTorque;
 use corehbot_twin::geometry::workspace;
+use corehbot_twin::model::coordinate::Coordinate;
 use corehbot_twin::params::Each;
 use corehbot_twin::queries::{At, Setup, shown};
 use corehbot_twin::routing::Machine;
 use corehbot_twin::solve::NotHeld;
-use corehbot_twin::solve::modes::modes;
+use corehbot_twin::solve::modes::{Mode, modes};
 use serde::Serialize;
 
 /// Stiffnesses of the frame in N/mm: from softer than the belts to ten times as stiff, in steps of 50 (assumed).
@@ -53,6 +54,21 @@ pub struct OnFrame {
     /// Frequencies of tool and frame, ascending.
     #[serde(rename = "frequencies_Hz")]
     pub frequencies_hz: Vec<f64>,
+    /// The axis of each: the one along which tool and frame have most of the energy.
+    pub along: Vec<&'static str>,
+}
+
+/// Names of the axes.
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// The axis along which tool and frame have most of the energy of a mode.
+fn axis_of(mode: &Mode) -> &'static str {
+    let share = |axis: usize| {
+        let tool = Coordinate::TOOL.get(axis).map_or(0.0, |tool| mode.share(*tool));
+        tool + mode.share(Coordinate::Frame(axis))
+    };
+    let most = (0..AXES.len()).max_by(|a, b| share(*a).total_cmp(&share(*b)));
+    most.and_then(|axis| AXES.get(axis)).copied().unwrap_or_default()
 }
 
 impl SoftFrame {
@@ -72,19 +88,21 @@ impl SoftFrame {
         let lowest = |stiffness: Each, count: usize| {
             let mut on = setup.clone();
             on.params.frame_stiffness_n_per_mm = stiffness;
-            Ok(modes(&on.elastic())?.iter().take(count).map(|mode| mode.frequency_hz).collect())
+            let lowest = modes(&on.elastic())?.into_iter().take(count);
+            Ok(lowest.map(|mode| (mode.frequency_hz, axis_of(&mode))).unzip())
         };
         let axes = setup.machine.axes();
         let frame = |i: u32| {
             let stiffness_n_per_mm = SOFTEST * f64::from(i);
-            let frequencies_hz = lowest(Each::all(stiffness_n_per_mm), axes + FRAME_AXES)?;
-            Ok(OnFrame { stiffness_n_per_mm, frequencies_hz })
+            let (frequencies_hz, along) = lowest(Each::all(stiffness_n_per_mm), axes + FRAME_AXES)?;
+            Ok(OnFrame { stiffness_n_per_mm, frequencies_hz, along })
         };
+        let rigid: (Vec<f64>, Vec<&'static str>) = lowest(Each::NONE, axes)?;
         Ok(Self {
             at: setup.at(),
             torques,
             frames: (1..=COUNT).map(frame).collect::<Result<_, _>>()?,
-            rigid_hz: lowest(Each::NONE, axes)?,
+            rigid_hz: rigid.0,
         })
     }
 }
@@ -101,7 +119,8 @@ impl std::fmt::Display for SoftFrame {
         writeln!(f, "{}: frequencies of tool and frame, Hz", self.at)?;
         let line = |all: &[f64]| all.iter().map(|hz| format!("{hz:>8.2}")).collect::<String>();
         for frame in self.frames.iter().filter(|frame| frame.stiffness_n_per_mm % 500.0 == 0.0) {
-            writeln!(f, "  frame {:>5} N/mm {}", frame.stiffness_n_per_mm, line(&frame.frequencies_hz))?;
+            let (all, along) = (line(&frame.frequencies_hz), frame.along.join(" "));
+            writeln!(f, "  frame {:>5} N/mm {all}  along {along}", frame.stiffness_n_per_mm)?;
         }
         writeln!(f, "  rigid            {}", line(&self.rigid_hz))
     }

@@ -129,6 +129,21 @@ fn the_slant_pulls_more_towards_the_end_of_the_stroke() {
     assert!(found.along_x[0].greatest_n().abs() > 1e-3);
 }
 
+/// Reproducer: with pulleys that come together before the stroke ends, the last place was one of an even grid, up to
+/// 10 mm before. The greatest pull was told as 0.8 N, and is 2.3 N.
+#[test]
+fn the_last_place_with_room_is_told() {
+    for (pulley, way) in [(1, 1.0), (2, -1.0), (10, -1.0), (11, 1.0)] {
+        let found = of(Machine::CoreHBot, &[off(pulley, way, 0.0)]);
+        let [first, second, ..] = &found.along_y[..] else { panic!() };
+        let [.., before, last] = &found.along_y[..] else { panic!() };
+        let (end, next) = if pulley < 8 { (first, second) } else { (last, before) };
+        let to_the_edge = if pulley < 8 { end.y_mm - 26.2 } else { 443.8 - end.y_mm };
+        assert!(found.along_y.len() == 41 && (4.0..6.0).contains(&to_the_edge), "{pulley}: {end:?}");
+        assert!(end.greatest_n().abs() > 2.0 * next.greatest_n().abs(), "{pulley}: {end:?} {next:?}");
+    }
+}
+
 #[test]
 fn every_flat_machine_answers_and_bad_questions_are_named() {
     for machine in [Machine::HBot, Machine::CoreXy, Machine::AwdCoreXy] {
