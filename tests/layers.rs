@@ -161,6 +161,7 @@ const WITHIN_MACHINE: [(&str, &[&str]); 15] = [
             "numbers",
             "ports",
             "probe",
+            "reports",
             "resonance",
             "state",
         ],

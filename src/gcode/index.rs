@@ -170,8 +170,6 @@ mod tests {
             ("M201 T1 E400", Part::Extruder, "1"),
             ("M203 T-1 E40", Part::Extruder, "-1"),
             ("M200 T1 D0", Part::Extruder, "1"),
-            ("M207 P1 S2", Part::Tool, "1"),
-            ("M208 P1 S2", Part::Tool, "1"),
             ("M116 P1", Part::Tool, "1"),
             ("M84 E1", Part::Extruder, "1"),
             ("M17 X E1", Part::Extruder, "1"),

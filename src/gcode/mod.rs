@@ -31,6 +31,6 @@ pub use number::Number;
 pub use parse::{parse, parse_with};
 pub use parts::{
     ArcShape, ArcWords, Audience, AxisFlags, AxisWords, Flaw, Form, GridWords, HomeWords, LevelWords, LevellingWords,
-    MachineRecord, MeshPoint, ModelWords, OffsetWords, ParkWords, PlainWords, Plane, PointWords, ScrewWords,
-    ShaperWords, SweepAxis, SweepWords, TuningWords, VelocityWords,
+    MachineRecord, MeshPoint, ModelWords, OffsetWords, ParkWords, PlainWords, Plane, PointWords, ShaperWords,
+    SweepAxis, SweepWords, TuningWords, VelocityWords,
 };

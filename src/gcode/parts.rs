@@ -74,21 +74,6 @@ pub struct LevelWords {
     pub keeps_out: bool,
 }
 
-/// The words of M422.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub struct ScrewWords {
-    /// S: the screw with the point that is set.
-    pub point: Option<Number>,
-    /// W: the screw with the place that is set.
-    pub place: Option<Number>,
-    /// X.
-    pub x: Option<Number>,
-    /// Y.
-    pub y: Option<Number>,
-    /// R: all as the machine was made with.
-    pub resets: bool,
-}
-
 /// The words of G29 and its relatives.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct GridWords {

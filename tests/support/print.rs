@@ -9,8 +9,8 @@ use core::fmt::{self, Display, Formatter};
 
 use corehbot::gcode::{
     ArcShape, ArcWords, Audience, Command, Form, HeatCommand, HomeWords, JobCommand, MachineRecord, MotionCommand,
-    MotorCommand, Number, ParkWords, PlainWords, Plane, RefusedCommand, ReportCommand, ResonanceCommand,
-    SettingCommand, ShaperWords, TuningWords,
+    MotorCommand, Number, ParkWords, PlainWords, RefusedCommand, ReportCommand, ResonanceCommand, SettingCommand,
+    ShaperWords, TuningWords,
 };
 use corehbot::settings::plain::letters;
 use flaws::malformed;
@@ -82,22 +82,6 @@ fn motion(f: &mut Formatter<'_>, command: MotionCommand, line: &[u8]) -> fmt::Re
         MotionCommand::Dwell { ms } => write!(f, "G4 P{ms}"),
         MotionCommand::Retract => f.write_str("G10"),
         MotionCommand::Recover => f.write_str("G11"),
-        MotionCommand::RetractSettings { length, feed, lift } => {
-            f.write_str("M207")?;
-            word(f, 'S', length)?;
-            word(f, 'F', feed)?;
-            word(f, 'Z', lift)
-        }
-        MotionCommand::RecoverSettings { extra, feed } => {
-            f.write_str("M208")?;
-            word(f, 'S', extra)?;
-            word(f, 'F', feed)
-        }
-        MotionCommand::Plane(Plane::Xy) => f.write_str("G17"),
-        MotionCommand::Plane(Plane::Zx) => f.write_str("G18"),
-        MotionCommand::Plane(Plane::Yz) => f.write_str("G19"),
-        MotionCommand::Inches => f.write_str("G20"),
-        MotionCommand::Millimetres => f.write_str("G21"),
         MotionCommand::Home(HomeWords { axes, only_lost, raise, drops_mesh }) => {
             flags(f, "G28", axes)?;
             f.write_str(if only_lost { " O" } else { "" })?;
@@ -129,7 +113,6 @@ fn motion(f: &mut Formatter<'_>, command: MotionCommand, line: &[u8]) -> fmt::Re
         }
         MotionCommand::NoOffset("M290", word) => write!(f, "M290 {}", String::from_utf8_lossy(word)),
         MotionCommand::NoOffset(command, word) => write!(f, "{command} {}=1", String::from_utf8_lossy(word)),
-        MotionCommand::SetHomeOffsets => f.write_str("M428"),
         MotionCommand::QuickStop => f.write_str("M410"),
         MotionCommand::Tool => f.write_str("T0"),
         _ => reduced(f, line),
@@ -173,7 +156,6 @@ fn setting(f: &mut Formatter<'_>, command: SettingCommand<'_>, line: &[u8]) -> f
             let named = letters(code).filter_map(|letters| letters.chars().next()).zip(numbers);
             named.into_iter().try_for_each(|(letter, number)| word(f, letter, number))
         }
-        SettingCommand::SoftEndstops(on) => switch(f, "M211", on.map(|on| Number::from(i32::from(on)))),
         SettingCommand::SaveSettings => f.write_str("M500"),
         SettingCommand::LoadSettings => f.write_str("M501"),
         SettingCommand::DefaultSettings => f.write_str("M502"),
@@ -197,7 +179,6 @@ fn setting(f: &mut Formatter<'_>, command: SettingCommand<'_>, line: &[u8]) -> f
             write!(f, "MACHINE_PUT AT={at} HEX=")?;
             write_text(f, hex)
         }
-        SettingCommand::PowerLossRecovery(on) => switch(f, "M413", on.map(|on| Number::from(i32::from(on)))),
         _ => reduced(f, line),
     }
 }
@@ -237,13 +218,6 @@ fn heat(f: &mut Formatter<'_>, command: HeatCommand, line: &[u8]) -> fmt::Result
             }
             Ok(())
         }
-        HeatCommand::ControllerFan { speed, run_on, resets, other } => {
-            switch(f, "M710", speed)?;
-            word(f, 'D', run_on)?;
-            f.write_str(if resets { " R" } else { "" })?;
-            other.map_or(Ok(()), |letter| write!(f, " {}", letter as char))
-        }
-        HeatCommand::PowerOff => f.write_str("M81"),
         _ => reduced(f, line),
     }
 }
@@ -269,11 +243,6 @@ fn job(f: &mut Formatter<'_>, command: JobCommand<'_>, line: &[u8]) -> fmt::Resu
         JobCommand::EndUpload => f.write_str("M29"),
         JobCommand::Resume => f.write_str("M24"),
         JobCommand::Answer => f.write_str("M876"),
-        JobCommand::Progress { percent, minutes } => {
-            f.write_str("M73")?;
-            word(f, 'P', percent)?;
-            word(f, 'R', minutes)
-        }
         JobCommand::Object(number) => write!(f, "M486 S{number}"),
         JobCommand::CancelObject => f.write_str("M486 C"),
         _ => reduced(f, line),
@@ -283,14 +252,10 @@ fn job(f: &mut Formatter<'_>, command: JobCommand<'_>, line: &[u8]) -> fmt::Resu
 fn report(f: &mut Formatter<'_>, command: ReportCommand<'_>, line: &[u8]) -> fmt::Result {
     match command {
         ReportCommand::LineNumber => f.write_str("M110"),
-        ReportCommand::ReportPosition { real } => f.write_str(if real { "M114 R" } else { "M114" }),
         ReportCommand::ReportFirmware => f.write_str("M115"),
         ReportCommand::Message => f.write_str("M117"),
         ReportCommand::ReportEndstops => f.write_str("M119"),
         ReportCommand::Diagnose => f.write_str("M122"),
-        ReportCommand::FanTurns(seconds) => switch(f, "M123", seconds),
-        ReportCommand::AutoReport(seconds) => switch(f, "M155", seconds),
-        ReportCommand::AutoPosition(seconds) => switch(f, "M154", seconds),
         ReportCommand::Tell { form, to, text } => {
             f.write_str("M118 ")?;
             match to {

@@ -38,8 +38,6 @@ pub enum BedCommand<'a> {
         /// F, per minute.
         feed: Option<Number>,
     },
-    /// M555: the area that the print needs: x, y, width, height.
-    Area([Option<Number>; 4]),
     /// EXCLUDE_OBJECT_DEFINE: an object of the print, by its outline.
     Object {
         /// The text of POLYGON, or of CENTER without one.
@@ -84,9 +82,6 @@ pub(super) const ROWS: &[Described] = &[
         "I J, X Y, C, Z, Q, N",
         "sets (Z) or changes (Q) the height of a point by its number or place; C: the nearest to the probe",
     ),
-    Described::m(&[555], |_, text| bed(BedCommand::Area([b'X', b'Y', b'W', b'H'].map(|letter| number(text, letter)))))
-        .grammar(&Grammar::numbers(b"XYWH"))
-        .does("X Y W H", "area that the print needs (Prusa): the next G29 without an area measures no more"),
     Described::name(&["BED_MESH_CALIBRATE"], |_, text| Some(calibrate(text)))
         .does(
             "MESH_MIN= MESH_MAX= PROBE_COUNT= ADAPTIVE= ADAPTIVE_MARGIN=",

@@ -6,7 +6,7 @@ use super::row::Described;
 use super::settings::plain;
 use crate::connectors::Heater;
 use crate::gcode::index::Part;
-use crate::gcode::lexer::{Words, last, number};
+use crate::gcode::lexer::{last, number};
 use crate::gcode::number::Number;
 use crate::gcode::parts::{ModelWords, TuningWords};
 
@@ -52,21 +52,8 @@ pub enum HeatCommand {
         /// Its numbers.
         words: ModelWords,
     },
-    /// M710: the fan of the controller, or report.
-    ControllerFan {
-        /// S, of 255.
-        speed: Option<Number>,
-        /// D: the run-on time in s.
-        run_on: Option<Number>,
-        /// R: as the machine was made.
-        resets: bool,
-        /// I or A; this firmware has neither.
-        other: Option<u8>,
-    },
     /// SELF_TEST: find out whether each heater warms its own sensor.
     SelfTest,
-    /// M81: everything off that can be switched off.
-    PowerOff,
 }
 
 pub(super) const ROWS: &[Described] = &[
@@ -99,13 +86,8 @@ pub(super) const ROWS: &[Described] = &[
     Described::m(&[306], |_, text| heat(model(text)))
         .grammar(&Grammar::numbers(b"EPCAFRLH"))
         .does("E P C A F R L H", "model of a heater; T tunes; or reports"),
-    Described::m(&[710], |_, text| heat(controller_fan(text)))
-        .grammar(&Grammar::numbers(b"SD"))
-        .does("S D, R", "controller fan: speed, run-on in s; R restores; or reports"),
     Described::name(&["SELF_TEST"], |_, _| heat(HeatCommand::SelfTest))
         .does("", "tests that each heater warms its own sensor"),
-    // It must act in any case.
-    Described::m(&[81], |_, _| heat(HeatCommand::PowerOff)).does("", "heaters and fans off; the power supply stays on"),
 ];
 
 const fn heat(command: HeatCommand) -> Option<Command<'static>> {
@@ -164,11 +146,4 @@ fn model(text: &[u8]) -> HeatCommand {
         [b'P', b'C', b'A', b'F', b'R', b'L', b'H'].map(|letter| number(text, letter));
     let words = ModelWords { power, capacity, loss, fan_loss, responsiveness, heater_lag, filament };
     HeatCommand::HeaterModel { heater, is_named: last(text, b'E').is_some(), words }
-}
-
-/// M710.
-fn controller_fan(text: &[u8]) -> HeatCommand {
-    let other = Words::new(text).map(|word| word.letter).find(|letter| matches!(letter, b'A' | b'I'));
-    let resets = last(text, b'R').is_some();
-    HeatCommand::ControllerFan { speed: number(text, b'S'), run_on: number(text, b'D'), resets, other }
 }

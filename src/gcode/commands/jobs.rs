@@ -1,9 +1,8 @@
 //! Jobs, pauses and waits.
 
 use super::Command;
-use super::grammar::Grammar;
 use super::row::Described;
-use crate::gcode::lexer::{Words, is_outside, number, skip_blanks};
+use crate::gcode::lexer::{Words, is_outside, skip_blanks};
 use crate::gcode::number::Number;
 use crate::gcode::parts::ParkWords;
 use crate::text::trim_end;
@@ -44,13 +43,6 @@ pub enum JobCommand<'a> {
     BeginUpload(&'a [u8]),
     /// M29: that was all of it.
     EndUpload,
-    /// M73: progress of the print, in percent, and the remaining minutes.
-    Progress {
-        /// P.
-        percent: Option<Number>,
-        /// R.
-        minutes: Option<Number>,
-    },
     /// M486 S: the object that the following lines belong to; none if negative.
     Object(Number),
     /// M486 P, U, C and EXCLUDE_OBJECT: leave an object out, which this firmware cannot.
@@ -78,11 +70,6 @@ pub(super) const ROWS: &[Described] = &[
     Described::m(&[524], |_, _| job(JobCommand::Cancel)).does("", "cancels the job; acts at once"),
     Described::m(&[108], |_, _| job(JobCommand::Continue)).does("", "ends the present wait; acts at once"),
     Described::m(&[876], |_, _| job(JobCommand::Answer)).does("S P", "answer to a question; acts at once"),
-    Described::m(&[73], |_, text| {
-        job(JobCommand::Progress { percent: number(text, b'P'), minutes: number(text, b'R') })
-    })
-    .grammar(&Grammar::numbers(b"PR"))
-    .does("P R", "keeps percent done and minutes left"),
     Described::m(&[28, 29], |number, text| {
         job(if number == 28 { JobCommand::BeginUpload(file_name(text)) } else { JobCommand::EndUpload })
     })

@@ -8,7 +8,7 @@ use crate::gcode::code::Code;
 use crate::gcode::index::{Absent, Named, Part};
 use crate::gcode::lexer::{Word, Words, last, number};
 use crate::gcode::number::Number;
-use crate::gcode::parts::{ArcShape, ArcWords, AxisFlags, AxisWords, Flaw, HomeWords, OffsetWords, Plane};
+use crate::gcode::parts::{ArcShape, ArcWords, AxisFlags, AxisWords, Flaw, HomeWords, OffsetWords};
 
 /// Moves, modes, overrides, retraction.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -43,28 +43,6 @@ pub enum MotionCommand {
     Retract,
     /// G11: undo G10.
     Recover,
-    /// M207: settings of G10, or report.
-    RetractSettings {
-        /// S: length of filament.
-        length: Option<Number>,
-        /// F, per minute.
-        feed: Option<Number>,
-        /// Z: lift.
-        lift: Option<Number>,
-    },
-    /// M208: the additional amounts of G11, or report.
-    RecoverSettings {
-        /// S: filament that is pushed in addition.
-        extra: Option<Number>,
-        /// F, per minute.
-        feed: Option<Number>,
-    },
-    /// G17, G18, G19: the plane of arcs.
-    Plane(Plane),
-    /// G20: lengths are inches.
-    Inches,
-    /// G21: lengths are millimetres.
-    Millimetres,
     /// G28: home axes.
     Home(HomeWords),
     /// G90: positions are absolute.
@@ -98,8 +76,6 @@ pub enum MotionCommand {
     ZOffset(OffsetWords),
     /// The same command, or M290, for an axis without such an offset.
     NoOffset(&'static str, &'static [u8]),
-    /// M428: home offsets by which the program's place becomes that of the nearest switch or 0.
-    SetHomeOffsets,
     /// T0: choose the only tool.
     Tool,
 }
@@ -127,20 +103,6 @@ pub(super) const ROWS: &[Described] = &[
     .grammar(WORDS)
     .does("", "retracts as M207 says; with P or L it is another firmware's command and unknown"),
     Described::g(&[11], |_, _| motion(MotionCommand::Recover)).grammar(WORDS).does("", "undoes G10"),
-    Described::g(&[17, 18, 19], |number, _| {
-        motion(MotionCommand::Plane(match number {
-            17 => Plane::Xy,
-            18 => Plane::Zx,
-            _ => Plane::Yz,
-        }))
-    })
-    .grammar(WORDS)
-    .does("", "plane of arcs: XY, ZX, YZ"),
-    Described::g(&[20, 21], |number, _| {
-        motion(if number == 20 { MotionCommand::Inches } else { MotionCommand::Millimetres })
-    })
-    .grammar(WORDS)
-    .does("", "inches, millimetres"),
     // With W, Prusa's G28 leaves the mesh; L0 is Marlin's word for it.
     Described::g(&[28], |_, text| motion(MotionCommand::Home(home_words(text))))
         .grammar(&Grammar::numbers(b"R").no_axes(b"ABCUV").not_negative(b"R"))
@@ -167,17 +129,6 @@ pub(super) const ROWS: &[Described] = &[
     // It must act in any case.
     Described::m(&[410], |_, _| motion(MotionCommand::QuickStop))
         .does("", "brakes along the path and drops queued moves; acts at once"),
-    Described::m(&[207], |_, text| {
-        let [length, feed, lift] = [b'S', b'F', b'Z'].map(|letter| number(text, letter));
-        motion(MotionCommand::RetractSettings { length, feed, lift })
-    })
-    .grammar(&Grammar::numbers(b"SFZ").parts(&[(b'P', Part::Tool)]))
-    .does("S F Z", "retraction: length, speed, lift; or reports"),
-    Described::m(&[208], |_, text| {
-        motion(MotionCommand::RecoverSettings { extra: number(text, b'S'), feed: number(text, b'F') })
-    })
-    .grammar(&Grammar::numbers(b"SF").parts(&[(b'P', Part::Tool)]))
-    .does("S F", "recovery: additional length, speed; or reports"),
     Described::m(&[220], |_, text| motion(feed_percent(text)))
         .grammar(&Grammar::numbers(b"S"))
         .does("S, B, R", "feed in percent; B keeps it, R restores it; or reports"),

@@ -8,7 +8,7 @@ use crate::gcode::axes::{axis_flags, axis_words};
 use crate::gcode::index::{Absent, Named, Part};
 use crate::gcode::lexer::{last, number, switch};
 use crate::gcode::number::Number;
-use crate::gcode::parts::{AxisFlags, AxisWords, Flaw, LevelWords, ScrewWords};
+use crate::gcode::parts::{AxisFlags, AxisWords, Flaw, LevelWords};
 use crate::motors::MotorName;
 use crate::text::is_word;
 
@@ -62,8 +62,6 @@ pub enum MotorCommand {
         /// S: its thread: 30, 40, 50 for M3, M4, M5; one more for a thread that turns the other way.
         thread: Option<Number>,
     },
-    /// M422: the place of a screw of z, or the point that is probed for it; or report.
-    ScrewPlace(ScrewWords),
     /// STEPPER_BUZZ: one motor moves alone, a little to and fro.
     Buzz {
         /// STEPPER: the motor; the empty name if it is missing.
@@ -121,9 +119,6 @@ pub(super) const ROWS: &[Described] = &[
             "S",
             "probes the corners of the bed, and says how far to turn each hand screw; thread: 30, 40, 50 is M3..",
         ),
-    Described::m(&[422], |_, text| motor(MotorCommand::ScrewPlace(screw(text))))
-        .grammar(&Grammar::numbers(b"SWXY"))
-        .does("S X Y, W X Y, R", "point that is probed for a screw of z (S), its place (W), as made (R); or reports"),
     Described::name(&LEVEL_NAMES, |_, text| Some(level_by_name(text)))
         .does("RETRIES= RETRY_TOLERANCE=", "G34 in Klipper's words"),
     Described::name(&[BUZZ], |_, text| Some(buzz(text)))
@@ -163,12 +158,6 @@ fn level_by_name(text: &[u8]) -> Command<'_> {
         }
     }
     Command::Motor(MotorCommand::LevelScrews(level))
-}
-
-/// M422.
-fn screw(text: &[u8]) -> ScrewWords {
-    let [point, place, x, y] = [b'S', b'W', b'X', b'Y'].map(|letter| number(text, letter));
-    ScrewWords { point, place, x, y, resets: last(text, b'R').is_some() }
 }
 
 /// M18 and M84: with S a time, otherwise axes.

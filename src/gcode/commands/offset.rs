@@ -1,7 +1,7 @@
 //! Offsets of z: M290 and Klipper's SET_GCODE_OFFSET.
 
 use super::Command;
-use super::grammar::{Grammar, WORDS};
+use super::grammar::Grammar;
 use super::motion::MotionCommand;
 use super::row::Described;
 use super::settings::{named_value, scientific, words};
@@ -16,9 +16,6 @@ pub(super) const ROWS: &[Described] = &[
         .does("Z S P, R", "shifts Z by Z or S while moves are under way; P0 does not keep it; or reports"),
     Described::name(&["SET_GCODE_OFFSET"], |_, text| Some(gcode_offset(text)))
         .does("Z= Z_ADJUST= MOVE=", "the kept offset of Z, at its next move or at once (MOVE=1); or reports"),
-    Described::m(&[428], |_, _| Some(Command::Motion(MotionCommand::SetHomeOffsets)))
-        .grammar(WORDS)
-        .does("", "home offsets (M206) that make the present place that of the switches, at most 20 mm away"),
 ];
 
 /// M290. Z counts before S, and a report makes no move (Marlin, M290.cpp). X and Y have no such offset.

@@ -8,7 +8,7 @@ use super::grammar::{Grammar, Letters, in_order};
 use super::row::{Begin, Text, Treatment};
 use super::table::Line;
 use crate::gcode::code::Code;
-use crate::gcode::lexer::{last, number};
+use crate::gcode::lexer::{last, number, switch};
 use crate::gcode::number::Number;
 
 /// What a command is for a print.
@@ -52,6 +52,12 @@ impl OwnEntry {
         let (nature, is_said_on_connecting) = (Nature::Aside, false);
         let row = OwnRow { begin, grammar: None, letters: Letters::NONE, nature, is_said_on_connecting };
         Self { row, family, text, examples: &[] }
+    }
+
+    /// G-codes of the family with this heading in docs/reference/gcode.md.
+    #[must_use]
+    pub const fn g(family: &'static str, numbers: &'static [u16]) -> Self {
+        Self::new(family, Begin::Code(b'G', numbers))
     }
 
     /// M-codes of the family with this heading in docs/reference/gcode.md.
@@ -164,6 +170,12 @@ impl<'a> OwnCommand<'a> {
     #[must_use]
     pub fn has(&self, letter: u8) -> bool {
         last(self.text, letter).is_some()
+    }
+
+    /// The switch in S: S0 is off, any other S is on.
+    #[must_use]
+    pub fn switch(&self) -> Option<bool> {
+        switch(self.text)
     }
 
     /// All that follows the code or name.

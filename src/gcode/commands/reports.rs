@@ -1,10 +1,7 @@
 //! Reports and messages.
 
 use super::Command;
-use super::grammar::Grammar;
 use super::row::Described;
-use crate::gcode::lexer::{last, number};
-use crate::gcode::number::Number;
 use crate::gcode::parts::{Audience, Form};
 use crate::text::{trim_end, trim_start};
 
@@ -14,11 +11,6 @@ use crate::text::{trim_end, trim_start};
 pub enum ReportCommand<'a> {
     /// M110: set or, without a number, report the line number. The protocol room acts on it.
     LineNumber,
-    /// M114: report the position; with R the real one, counted from emitted steps.
-    ReportPosition {
-        /// Whether R was given.
-        real: bool,
-    },
     /// M115: report the firmware.
     ReportFirmware,
     /// M117: a message for a display that is not there.
@@ -36,36 +28,16 @@ pub enum ReportCommand<'a> {
     ReportEndstops,
     /// M122: report the state of the machine's parts.
     Diagnose,
-    /// M123: report the turns of fans, or do it every given number of seconds.
-    FanTurns(Option<Number>),
-    /// M154: report the real position every given number of seconds.
-    AutoPosition(Option<Number>),
-    /// M155: report temperatures every given number of seconds.
-    AutoReport(Option<Number>),
 }
-
-/// A number in S.
-const SECONDS: &Grammar = &Grammar::numbers(b"S");
 
 /// Rows without a grammar have a text behind them, take no words at all, or must act in any case.
 pub(super) const ROWS: &[Described] = &[
     Described::m(&[110], |_, _| report(ReportCommand::LineNumber)).does("N", "sets or reports the line number"),
-    Described::m(&[114], |_, text| report(ReportCommand::ReportPosition { real: last(text, b'R').is_some() }))
-        .does("R", "position; R counts it from the steps made"),
     Described::m(&[115], |_, _| report(ReportCommand::ReportFirmware)).does("", "name, version, capabilities"),
     Described::m(&[117], |_, _| report(ReportCommand::Message)).does("", "message for a display: none here"),
     Described::m(&[118], |_, text| report(tell(text))).does("A E P", "says the text to hosts"),
     Described::m(&[119], |_, _| report(ReportCommand::ReportEndstops)).does("", "endstops and probe"),
     Described::m(&[122], |_, _| report(ReportCommand::Diagnose)).does("", "drivers, heaters, faults, overload"),
-    Described::m(&[123], |_, text| report(ReportCommand::FanTurns(number(text, b'S'))))
-        .grammar(SECONDS)
-        .does("S", "turns of fans with a tachometer, or every S s"),
-    Described::m(&[154, 155], |code, text| {
-        let seconds = number(text, b'S');
-        report(if code == 154 { ReportCommand::AutoPosition(seconds) } else { ReportCommand::AutoReport(seconds) })
-    })
-    .grammar(SECONDS)
-    .does("S", "position, temperatures every S s"),
 ];
 
 const fn report(command: ReportCommand<'_>) -> Option<Command<'_>> {

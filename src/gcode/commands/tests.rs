@@ -44,15 +44,6 @@ fn feed_override_in_its_three_forms() {
 }
 
 #[test]
-fn switches_and_flags() {
-    assert_eq!(parse(b"M211"), Command::Setting(SettingCommand::SoftEndstops(None)));
-    assert_eq!(parse(b"M211 S0"), Command::Setting(SettingCommand::SoftEndstops(Some(false))));
-    assert_eq!(parse(b"M211 S"), Command::Setting(SettingCommand::SoftEndstops(Some(true))));
-    assert_eq!(parse(b"M114 R"), Command::Report(ReportCommand::ReportPosition { real: true }));
-    assert_eq!(parse(b"M114 D"), Command::Report(ReportCommand::ReportPosition { real: false }));
-}
-
-#[test]
 fn drivers() {
     let axes = AxisFlags { x: true, y: true, z: false, e: false };
     assert_eq!(parse(b"M569 S1 X Y"), Command::Motor(MotorCommand::Stealth { on: Some(true), axes }));
@@ -85,9 +76,6 @@ fn the_belt_is_aligned_and_looked_at() {
 
 #[test]
 fn what_cannot_be_done_has_a_name() {
-    assert_eq!(parse(b"M81"), Command::Heat(HeatCommand::PowerOff));
-    assert_eq!(parse(b"M413 S1"), Command::Setting(SettingCommand::PowerLossRecovery(Some(true))));
-    assert_eq!(parse(b"M413"), Command::Setting(SettingCommand::PowerLossRecovery(None)));
     for line in ["M622 J1", "M623", "if {x > 1}", "while true", "  ELSE", "break", "{if layer}"] {
         assert_eq!(parse(line.as_bytes()), Command::Refused(RefusedCommand::Conditional), "{line}");
     }
@@ -116,12 +104,7 @@ fn volumetric_extrusion_is_only_ever_switched_off() {
 }
 
 #[test]
-fn progress_and_reports_by_themselves() {
-    let (five, twelve) = (Some(Number::from(5)), Some(Number::from(12)));
-    assert_eq!(parse(b"M73 P5 R12"), Command::Job(JobCommand::Progress { percent: five, minutes: twelve }));
-    assert_eq!(parse(b"M73 Q7 S3"), Command::Job(JobCommand::Progress { percent: None, minutes: None }));
-    assert_eq!(parse(b"M154 S5"), Command::Report(ReportCommand::AutoPosition(five)));
-    assert_eq!(parse(b"M155 S5"), Command::Report(ReportCommand::AutoReport(five)));
+fn an_answer_to_a_question_is_known() {
     assert_eq!(parse(b"M876 S0"), Command::Job(JobCommand::Answer));
 }
 
@@ -205,10 +188,6 @@ fn every_code_has_its_command() {
         ("M119", Command::Report(ReportCommand::ReportEndstops)),
         ("M201", plain(201, [])),
         ("M203 X1 Z1", plain(203, [one, None, one])),
-        ("M207 S1 F1 Z1", Command::Motion(MotionCommand::RetractSettings { length: one, feed: one, lift: one })),
-        ("M207", Command::Motion(MotionCommand::RetractSettings { length: None, feed: None, lift: None })),
-        ("M208 S1", Command::Motion(MotionCommand::RecoverSettings { extra: one, feed: None })),
-        ("M208 F1", Command::Motion(MotionCommand::RecoverSettings { extra: None, feed: one })),
         ("M400", Command::Motion(MotionCommand::Finish)),
         ("M410", Command::Motion(MotionCommand::QuickStop)),
         ("M503", Command::Setting(SettingCommand::ReportSettings { for_replay: false })),

@@ -4,7 +4,7 @@ extern crate std;
 
 use super::super::commands::{MotionCommand, MotorCommand, SettingCommand};
 use super::super::number::Number;
-use super::super::parts::{ArcShape, ArcWords, AxisFlags, AxisWords, Flaw, HomeWords, PlainWords, Plane};
+use super::super::parts::{ArcShape, ArcWords, AxisFlags, AxisWords, Flaw, HomeWords, PlainWords};
 use super::*;
 use crate::settings::plain::MOST_WORDS;
 
@@ -173,11 +173,6 @@ fn every_g_code_has_its_command() {
         ("G10 S1", Command::Motion(MotionCommand::Retract)),
         ("G11", Command::Motion(MotionCommand::Recover)),
         ("G12", Command::Silent),
-        ("G17", Command::Motion(MotionCommand::Plane(Plane::Xy))),
-        ("G18", Command::Motion(MotionCommand::Plane(Plane::Zx))),
-        ("G19", Command::Motion(MotionCommand::Plane(Plane::Yz))),
-        ("G20", Command::Motion(MotionCommand::Inches)),
-        ("G21", Command::Motion(MotionCommand::Millimetres)),
         ("G90", Command::Motion(MotionCommand::Absolute)),
         ("G91", Command::Motion(MotionCommand::Relative)),
         ("T0", Command::Motion(MotionCommand::Tool)),

@@ -55,8 +55,6 @@ pub(in crate::machine) enum Answer<'a> {
     NotHomed,
     /// M290: the offset of z.
     ZOffset,
-    /// M123: how fast fans turn.
-    FanTurns,
     /// M105, in the line of the `ok`.
     Temperatures,
     /// The first lines after a reset.
@@ -81,7 +79,6 @@ pub(in crate::machine) enum Answer<'a> {
     },
     Firmware,
     Endstops(EndstopSet),
-    SoftEndstops,
     /// M122: the fault, heaters and sensors.
     Heat,
     /// Temperatures while a command waits for them, and the seconds that are missing.

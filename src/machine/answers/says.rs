@@ -2,10 +2,12 @@
 
 use super::speaker::Speaker;
 use crate::settings::Settings;
+use crate::status::Status;
 
-/// What words may depend on. Settings are read when the answer is written.
+/// What words may depend on. Settings and status are read when the answer is written.
 pub(in crate::machine) struct Facts<'f> {
     pub settings: &'f Settings,
+    pub status: &'f Status,
     /// The number that the command keeps for itself.
     pub number: i32,
 }
@@ -26,7 +28,7 @@ impl Says {
     }
 
     /// Says it to `to`.
-    pub fn write(&self, to: &mut Speaker<'_>, settings: &Settings) {
-        (self.say)(to, &Facts { settings, number: self.number });
+    pub fn write(&self, to: &mut Speaker<'_>, settings: &Settings, status: &Status) {
+        (self.say)(to, &Facts { settings, status, number: self.number });
     }
 }

@@ -48,15 +48,6 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
         BedCommand::GoTo { point, by_probe, feed } => {
             return go_to_point(main_loop, states, point, by_probe, feed).await;
         }
-        BedCommand::Area([x, y, width, depth]) => {
-            states.area = PrintArea::NONE;
-            let (Some(x), Some(y), Some(width), Some(depth)) = (x, y, width, depth) else {
-                return Ok(Answer::Line("echo:M555 names no area: it needs X, Y, W and H"));
-            };
-            let [x, y, width, depth] = [x, y, width, depth].map(|number| states.modal.length(number));
-            states.area = PrintArea::of([x, y], [x.saturating_add(width), y.saturating_add(depth)]);
-            Answer::Nothing
-        }
         BedCommand::Object { outline } => {
             states.area.add_object(outline);
             Answer::Nothing

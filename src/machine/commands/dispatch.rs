@@ -57,7 +57,7 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Pend>(
         Command::Probe(ref command) => apart(pin!(probing::carry_out(main_loop, states, command))).await,
         Command::Bed(ref command) => apart(pin!(bed::carry_out(main_loop, states, command))).await,
         Command::Resonance(ref command) => apart(pin!(resonance::carry_out(main_loop, states, command))).await,
-        Command::Report(ref command) => apart(pin!(reports::carry_out(main_loop, states, command))).await,
+        Command::Report(ref command) => apart(pin!(reports::carry_out(main_loop, command))).await,
         Command::Own(ref command) => Ok(table::carry_out(main_loop, states, command)),
         Command::Refused(command) => Err(refused::end(main_loop, command)),
         Command::Silent => Ok(Answer::Nothing),

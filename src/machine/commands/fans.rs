@@ -1,15 +1,14 @@
-//! Fans: M106 and M107 in their turn among the moves, and the fan of the controller (M710).
+//! Fans: M106 and M107 in their turn among the moves.
 
 use crate::gcode::{Absent, Named, Number, Part};
 use crate::machine::answers::answer::Answer;
-use crate::machine::answers::setting::HeatSetting;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::notices::Notices;
 use crate::port::Pend;
-use crate::settings::{FanRole, Range, ThermalSettings, part_fans, ranges};
+use crate::settings::{Range, ThermalSettings, part_fans};
 use crate::units::Ratio;
 
 /// The number for full speed.
@@ -52,48 +51,6 @@ fn fan_meant(fan: u8, thermal: &ThermalSettings) -> u8 {
     }
     let parts = part_fans(thermal.fans.map(|fan| fan.role));
     (0..).zip(parts).find_map(|(place, is_part)| is_part.then_some(place)).unwrap_or(fan)
-}
-
-/// M710.
-pub(in crate::machine) fn set_controller_fan(
-    [speed, run_on]: [Option<Number>; 2],
-    resets: bool,
-    other: Option<u8>,
-    thermal: &mut ThermalSettings,
-    defaults: &ThermalSettings,
-    clamps: &mut Clamps,
-) -> Answer<'static> {
-    if speed.or(run_on).is_none() && !resets && other.is_none() {
-        return Answer::HeatSetting(HeatSetting::ControllerFan);
-    }
-    let ThermalSettings { mut fans, fan_run_on_s: mut run_on_s, .. } = *thermal;
-    let controllers = fans.iter_mut().zip(&defaults.fans).filter(|(fan, _)| fan.role == FanRole::Controller);
-    for (fan, default) in controllers {
-        if resets {
-            fan.most = default.most.max(fan.least);
-        }
-        if let Some(speed) = speed {
-            let least = fan.least.max(ranges::MAX_DUTY.least);
-            let range = Range { least: least.saturating_mul_int(255), ..FULL };
-            if let Some(speed) = clamps.near_of(["M710", "S"], speed, range, None) {
-                fan.most = (speed / 255).max(least);
-            }
-        }
-    }
-    if resets {
-        run_on_s = defaults.fan_run_on_s;
-    }
-    if let Some(seconds) = run_on {
-        clamps.whole(["M710", "D"], seconds, ranges::RUN_ON_S, &mut run_on_s);
-    }
-    if !clamps.refuses_line() {
-        (thermal.fans, thermal.fan_run_on_s) = (fans, run_on_s);
-    }
-    match other {
-        Some(b'A') => Answer::NotObeyed("M710", b"A"),
-        Some(_) => Answer::NotObeyed("M710", b"I"),
-        None => Answer::Nothing,
-    }
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! Heaters and fans, each by its command.
 
-use super::fans::{set_controller_fan, set_fan};
+use super::fans::set_fan;
 use super::heater_settings::set_model;
-use super::heating::{await_heaters, await_readings, heat_and_wait, model_of, set_target, switch_off};
+use super::heating::{await_heaters, await_readings, heat_and_wait, model_of, set_target};
 use super::self_test::test_heaters;
 use super::states::States;
 use super::tuning::tune;
@@ -45,11 +45,7 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
             Ok(heater) => change_heat(main_loop, |s, _| set_model(heater, is_named, words, s, clamps)),
             Err(answer) => answer,
         },
-        HeatCommand::ControllerFan { speed, run_on, resets, other } => {
-            change_heat(main_loop, |s, made| set_controller_fan([speed, run_on], resets, other, s, made, clamps))
-        }
         HeatCommand::SelfTest => return test_heaters(main_loop).await,
-        HeatCommand::PowerOff => switch_off(main_loop),
     })
 }
 

@@ -389,15 +389,6 @@ pub(in crate::machine) fn model_of(
     }
 }
 
-/// M81. The supply itself is switched off by the thermal context alone, when a heater cannot be switched off.
-pub(in crate::machine) fn switch_off<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Answer<'static> {
-    main_loop.heat.switch_off(&main_loop.settings.thermal);
-    if main_loop.job.is_printing() {
-        main_loop.job.end();
-    }
-    Answer::Line("echo:M81: heaters and fans are off; this firmware does not switch the power supply")
-}
-
 #[cfg(test)]
 mod tests {
     extern crate std;

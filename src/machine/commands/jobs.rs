@@ -3,14 +3,12 @@
 use super::job::end_by_line;
 use super::pause::{await_user, pause, resume};
 use super::states::States;
-use crate::gcode::{JobCommand, Number};
+use crate::gcode::JobCommand;
 use crate::machine::answers::answer::Answer;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
-use crate::machine::state::clamps::Clamps;
 use crate::port::Pend;
-use crate::settings::Range;
 
 /// Carries out a command about the job.
 pub(super) async fn carry_out<'a, P: PortSet, W: Pend>(
@@ -18,7 +16,7 @@ pub(super) async fn carry_out<'a, P: PortSet, W: Pend>(
     states: &mut States,
     command: &JobCommand<'a>,
 ) -> Result<Answer<'a>, Interrupt> {
-    let States { modal, clamps, cold, .. } = states;
+    let States { modal, cold, .. } = states;
     match *command {
         JobCommand::AwaitUser { ms, filament, ref park } => {
             return await_user(main_loop, modal, cold, (ms, filament), park).await;
@@ -37,7 +35,6 @@ pub(super) async fn carry_out<'a, P: PortSet, W: Pend>(
             return Ok(Answer::NoCard(name));
         }
         JobCommand::EndUpload => return Ok(main_loop.hosts.end_upload().map_or(Answer::Nothing, Answer::UploadEnded)),
-        JobCommand::Progress { percent, minutes } => note_progress(main_loop, clamps, percent, minutes),
         JobCommand::Object(number) => {
             let object = number.to_thousandths().div_euclid(1000) as i32;
             main_loop.status.print_progress.set_object(object);
@@ -48,19 +45,4 @@ pub(super) async fn carry_out<'a, P: PortSet, W: Pend>(
         JobCommand::Restart => {}
     }
     Ok(Answer::Nothing)
-}
-
-/// M73.
-fn note_progress<P: PortSet, W: Pend>(
-    main_loop: &MainLoop<'_, P, W>,
-    clamps: &mut Clamps,
-    percent: Option<Number>,
-    minutes: Option<Number>,
-) {
-    let (hundred, long) = (Range { least: 0, most: 100 }, Range { least: 0, most: u16::MAX });
-    let percent = percent.and_then(|percent| clamps.whole_of(["M73", "P"], percent, hundred, None));
-    let minutes = minutes.and_then(|minutes| clamps.whole_of(["M73", "R"], minutes, long, None));
-    if !clamps.refuses_line() {
-        main_loop.status.print_progress.note_progress(percent.map(u32::from), minutes.map(u32::from));
-    }
 }

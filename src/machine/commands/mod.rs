@@ -23,7 +23,7 @@
 //! | fans | [`heat`] | [`fans`] |
 //! | settings | [`settings`] | its own files, [`shaping`] (M593, M900) |
 //! | motors and drivers | [`motors`] | [`drivers`], [`belt`], [`proof`] (M915), [`buzz`] |
-//! | screws of z | [`motors`] | [`screws`] (G34, G35), [`screw_places`] (M422) |
+//! | screws of z | [`motors`] | [`screws`] (G34, G35) |
 //! | the Z probe | [`probing`] | `machine::probe` |
 //! | the mesh of the bed | [`bed`] | [`measure`] (G29), [`levelling`] (M420), [`mesh_points`] (M421, G42) |
 //! | resonances | [`resonance`] | `machine::resonance` |
@@ -66,7 +66,6 @@ mod refused;
 mod reports;
 mod resonance;
 mod retraction;
-mod screw_places;
 mod screws;
 mod self_test;
 pub(in crate::machine) mod settings;

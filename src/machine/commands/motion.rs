@@ -3,10 +3,8 @@
 use super::homing::home;
 use super::levelling::use_mesh;
 use super::moves::Moves;
-use super::retraction::{set_recovery, set_retraction};
 use super::states::States;
 use super::waits::dwell;
-use super::z_offset::set_home_offsets;
 use crate::gcode::{AxisWords, MotionCommand};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::mesh_answer::MeshAnswer;
@@ -52,20 +50,11 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
         MotionCommand::Finish => main_loop.finish().await?,
         // The receive path has acted on it.
         MotionCommand::QuickStop => {}
-        MotionCommand::Plane(plane) => modal.plane = plane,
-        MotionCommand::Inches => modal.inches = true,
-        MotionCommand::Millimetres => modal.inches = false,
         MotionCommand::Absolute => modal.absolute = true,
         MotionCommand::Relative => modal.absolute = false,
         MotionCommand::AbsoluteExtrusion => modal.absolute_extrusion = true,
         MotionCommand::RelativeExtrusion => modal.absolute_extrusion = false,
         MotionCommand::SetPosition(ref words) => set_position(main_loop, modal, clamps, words),
-        MotionCommand::RetractSettings { length, feed, lift } => {
-            return Ok(set_retraction([length, feed, lift], retraction, modal, clamps));
-        }
-        MotionCommand::RecoverSettings { extra, feed } => {
-            return Ok(set_recovery([extra, feed], retraction, modal, clamps));
-        }
         MotionCommand::FeedPercent(None) => return Ok(Answer::FeedPercent),
         MotionCommand::FeedPercent(Some(number)) => {
             if let Some(percent) = clamps.whole_of(["M220", "S"], number, PERCENT, None) {
@@ -80,7 +69,6 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
         MotionCommand::ZOffset(words) => {
             return Moves { main_loop, modal, clamps, notices, cold }.z_offset(words).await;
         }
-        MotionCommand::SetHomeOffsets => return Ok(set_home_offsets(main_loop)),
         MotionCommand::NoOffset(command, word) => return Ok(Answer::NotObeyed(command, word)),
         MotionCommand::Tool => {}
     }

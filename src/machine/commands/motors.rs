@@ -5,7 +5,6 @@ use super::buzz::buzz;
 use super::drivers::{change_mode, set_drivers};
 use super::job::end_by_line;
 use super::retraction::forget_retraction;
-use super::screw_places::place_screw;
 use super::screws::{level_screws, tell_hand_screws};
 use super::states::States;
 use crate::driver::Job;
@@ -58,7 +57,6 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
             return apart(pin!(level_screws(main_loop, &mut states.clamps, words))).await;
         }
         MotorCommand::HandScrews { thread } => return apart(pin!(tell_hand_screws(main_loop, thread))).await,
-        MotorCommand::ScrewPlace(ref words) => place_screw(main_loop, &states.modal, &mut states.clamps, words),
         MotorCommand::Buzz { motor, free } => return buzz(main_loop, &mut states.notices, motor, free).await,
     })
 }

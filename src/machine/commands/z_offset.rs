@@ -1,5 +1,4 @@
-//! The first layer: the offset of z, shifted while moves are under way (M290, SET_GCODE_OFFSET); and home offsets
-//! (M428; M206 is plain).
+//! The first layer: the offset of z, shifted while moves are under way (M290, SET_GCODE_OFFSET).
 //!
 //! `main_loop::z_offset` shifts it, the generator makes the steps (`motion::stepgen::z_offset`). SET_GCODE_OFFSET
 //! changes the program's offset and no other. M290 changes that of the probe where it homes z, otherwise the program's.
@@ -10,10 +9,10 @@ use crate::gcode::{Number, OffsetWords};
 use crate::machine::answers::answer::Answer;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
-use crate::machine::main_loop::z_offset::{let_z_stand, shift_z, use_home_offsets, z_reach};
+use crate::machine::main_loop::z_offset::{let_z_stand, shift_z, z_reach};
 use crate::machine::ports::PortSet;
 use crate::port::Pend;
-use crate::settings::{AxisEnd, HomedAxis, Range, Settings, ZStore, ranges};
+use crate::settings::{Range, Settings, ZStore, ranges};
 use crate::units::Mm;
 
 /// The most that one M290 shifts: more is a slip of the finger.
@@ -24,30 +23,6 @@ const TOO_FAR: Answer<'static> = Answer::Line("echo:ignored: the offset of Z wou
 
 /// Where it, and what an order has let stand or homing takes back, would be.
 const TOO_FAR_ASIDE: Answer<'static> = Answer::Line("echo:ignored: the shifts of Z since homing would exceed 5 mm");
-
-/// How far M428 reaches (Marlin, M428.cpp).
-const NEAR: Range<Mm> = Range { least: Mm::const_from_int(-20), most: Mm::const_from_int(20) };
-
-/// M428: the program counts from now on as if each axis stood at its switch, or at 0 if a switch at the upper end is
-/// too far away (Marlin). Nothing moves.
-pub(super) fn set_home_offsets<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Answer<'static> {
-    if main_loop.homed.lacks_one_of([true; 3]) {
-        return Answer::Line("echo:M428 ignored: home first (G28)");
-    }
-    let mut offsets = main_loop.settings.home_offsets();
-    for ((offset, at), axis) in offsets.iter_mut().zip(main_loop.commanded.position()).zip(HomedAxis::ALL) {
-        let endstop = main_loop.settings.endstops.of(axis);
-        *offset = endstop.position.saturating_sub(at);
-        if !NEAR.holds(*offset) && endstop.end == AxisEnd::Max {
-            *offset = -at;
-        }
-        if !NEAR.holds(*offset) {
-            return Answer::Line("echo:Too far from reference point");
-        }
-    }
-    use_home_offsets(main_loop, offsets);
-    Answer::Position { real: false }
-}
 
 /// Whether an offset, changed by so much, is in the range of the setting that keeps it.
 fn may_be_kept(s: &Settings, store: ZStore, by: Mm) -> bool {

@@ -7,7 +7,7 @@
 
 use crate::driver;
 use crate::fault::Fault;
-use crate::gcode::{Command, HeatCommand, JobCommand, MotionCommand, PlainWords, ReportCommand, SettingCommand};
+use crate::gcode::{Command, HeatCommand, MotionCommand, PlainWords, ReportCommand, SettingCommand};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::speaker::Progress;
 use crate::machine::hosts::asked::Asked;
@@ -52,13 +52,7 @@ const fn is_said_on_connecting(command: &Command<'_>) -> bool {
     }
     matches!(
         command,
-        Command::Report(
-            ReportCommand::AutoPosition(_)
-                | ReportCommand::AutoReport(_)
-                | ReportCommand::FanTurns(Some(_))
-                | ReportCommand::Message
-                | ReportCommand::ReportPosition { .. }
-        ) | Command::Job(JobCommand::Progress { .. })
+        Command::Report(ReportCommand::Message)
             | Command::Motion(MotionCommand::FeedPercent(_) | MotionCommand::Tool)
             | Command::Setting(SettingCommand::Plain(PlainWords { code: KEEPALIVE, .. }))
             | Command::Silent

@@ -18,15 +18,13 @@ use crate::machine::ports::PortSet;
 use crate::machine::reports::belt_report::report_belt;
 use crate::machine::reports::buzz_report::report_buzz;
 use crate::machine::reports::driver_report::{report_driver, report_driver_values, report_own_driver_values};
-use crate::machine::reports::fan_report::{FanTurns, report_fan_turns};
+use crate::machine::reports::fan_report::FanTurns;
 use crate::machine::reports::heat_report::{Temperatures, report_heat, report_tuned};
 use crate::machine::reports::heat_settings_report::report_heat_setting;
 use crate::machine::reports::machine_report::report_machine;
 use crate::machine::reports::mesh_report::report_mesh;
 use crate::machine::reports::probe_report::report_probe;
-use crate::machine::reports::report::{
-    Position, report_endstops, report_firmware, report_overload, report_soft_endstops, report_z_offset,
-};
+use crate::machine::reports::report::{Position, report_endstops, report_firmware, report_overload, report_z_offset};
 use crate::machine::reports::resonance_report::report_resonance;
 use crate::machine::reports::screw_report::report_screws;
 use crate::machine::reports::settings_report::{report_setting, report_settings};
@@ -104,14 +102,12 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         }
         if let Answer::Says(says) = answer {
             let to = &mut Speaker::new(&mut self.progress, &mut self.hosts);
-            return says.write(to, &self.settings);
+            return says.write(to, &self.settings, self.status);
         }
         // These need all of the main loop, which is taken apart in the next lines.
         let temperatures = self.temperatures();
         let targets = Heater::ALL.map(|heater| self.heat.target(heater));
-        let Self {
-            hosts, progress, settings, motion, status, homed, power, storage, trimming, bed, first_layer, ..
-        } = self;
+        let Self { hosts, progress, settings, motion, status, power, storage, trimming, bed, first_layer, .. } = self;
         let s: &Settings = settings;
         let to = &mut Speaker::new(progress, hosts);
         match *answer {
@@ -128,7 +124,6 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             Answer::Clamp(clamp) => to.say(format_args!("echo:{clamp}")),
             Answer::NotHomed => to.say(format_args!("echo:move ignored: home its axes first (G28)")),
             Answer::ZOffset => report_z_offset(to, motion.shifted_z(), s, first_layer.are_stored(s)),
-            Answer::FanTurns => report_fan_turns(to, s, status.heat()),
             Answer::Temperatures => to.say(format_args!("ok {temperatures}")),
             Answer::Heating(None) => to.say(format_args!(" {temperatures} W:?")),
             Answer::Heating(Some(missing)) => to.say(format_args!(" {temperatures} W:{missing}")),
@@ -169,7 +164,6 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             Answer::Endstops(pressed) => {
                 report_endstops(to, pressed, status.inputs(), &s.endstops, status.heat().filament());
             }
-            Answer::SoftEndstops => report_soft_endstops(to, s, *homed),
             Answer::Heat => report_heat(to, s, status.heat(), status.fault(), targets),
             Answer::Overload => {
                 report_overload(to, status.overload());

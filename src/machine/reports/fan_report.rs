@@ -50,16 +50,6 @@ impl fmt::Display for FanTurns<'_> {
     }
 }
 
-/// M123.
-pub(in crate::machine) fn report_fan_turns(to: &mut Speaker<'_>, settings: &Settings, heat: &Heat) {
-    let turns = FanTurns { settings, heat };
-    if turns.has_any() {
-        to.say(format_args!("{turns}"));
-    } else {
-        to.say(format_args!("echo:no fan has a tachometer"));
-    }
-}
-
 /// Part of M122.
 pub(super) fn report_fans(to: &mut Speaker<'_>, settings: &Settings, heat: &Heat) {
     let turns = FanTurns { settings, heat };

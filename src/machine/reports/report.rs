@@ -7,7 +7,7 @@ use crate::kinematics::Groups;
 use crate::machine::answers::speaker::Speaker;
 use crate::machine::numbers::{exact, shortest_with};
 use crate::machine::state::commanded::Commanded;
-use crate::machine::state::position::{Homed, RealPosition};
+use crate::machine::state::position::RealPosition;
 use crate::motors::MOST_GROUPS;
 use crate::port::EndstopSet;
 use crate::settings::{Cartesian, Endstop, HomedAxis, Settings};
@@ -202,15 +202,6 @@ pub(in crate::machine) fn report_overload(to: &mut Speaker<'_>, overload: Overlo
         spans.count,
         us(spans)
     ));
-}
-
-/// M211 without S.
-pub(in crate::machine) fn report_soft_endstops(to: &mut Speaker<'_>, s: &Settings, homed: Homed) {
-    let state = if s.soft_endstops { "ON" } else { "OFF" };
-    let reaches = HomedAxis::ALL.map(|axis| s.reach(axis));
-    let [[x, to_x], [y, to_y], [z, to_z]] = reaches.map(|reach| [reach.least, reach.most].map(Hundredths::of));
-    let known = if homed.lacks_one_of([true; 3]) { "  (once homed)" } else { "" };
-    to.say(format_args!("Soft endstops: {state}  Min:  X{x} Y{y} Z{z}   Max:  X{to_x} Y{to_y} Z{to_z}{known}"));
 }
 
 /// M290: the sum of all shifts since z was homed (Marlin's words), and the kept offsets: the one of the probe if it

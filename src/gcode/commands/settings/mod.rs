@@ -5,7 +5,7 @@ mod plain;
 mod shaping;
 
 use super::Command;
-use super::grammar::{Grammar, WORDS};
+use super::grammar::Grammar;
 use super::row::Described;
 use crate::gcode::index::Part;
 use crate::gcode::lexer::switch;
@@ -23,10 +23,6 @@ pub(super) use shaping::{named_value, scientific, words};
 pub enum SettingCommand<'a> {
     /// Numbers of rows of `settings`, or report.
     Plain(PlainWords),
-    /// M211: keep moves inside the reachable space, or report.
-    SoftEndstops(Option<bool>),
-    /// M413: recovery from a loss of power, which this firmware cannot; or report.
-    PowerLossRecovery(Option<bool>),
     /// M593: the input shapers of the named axes, both if none is named, or report.
     Shaper(ShaperWords),
     /// M900, M572, SET_PRESSURE_ADVANCE: pressure advance, or report.
@@ -65,12 +61,6 @@ pub(super) const ROWS: &[Described] = &[
     Described::m(&[205], plain)
         .grammar(&Grammar::plain())
         .does("X Y Z E J S T B", "jerks, junction deviation, least feeds; B is not used; or reports"),
-    Described::m(&[211], |_, text| setting(SettingCommand::SoftEndstops(switch(text))))
-        .grammar(WORDS)
-        .does("S", "soft endstops; or reports"),
-    Described::m(&[413], |_, text| setting(SettingCommand::PowerLossRecovery(switch(text))))
-        .grammar(WORDS)
-        .does("S", "power-loss recovery: always off; S1 says so"),
     Described::m(&[593], |_, text| Some(shaper(text)))
         .grammar(&Grammar::numbers(b"FDTS").not_negative(b"F"))
         .does("X Y F D T S P", "input shaper: frequency, damping (D or S), kind; or reports"),

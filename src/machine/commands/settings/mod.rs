@@ -47,17 +47,6 @@ pub(super) async fn carry_out<'a, P: PortSet, W: Pend>(
         SettingCommand::VelocityLimit(ref words) => {
             set_velocity_limit(words, &mut main_loop.live_settings(), &mut states.clamps)
         }
-        SettingCommand::SoftEndstops(None) => Answer::SoftEndstops,
-        SettingCommand::SoftEndstops(Some(on)) => {
-            main_loop.live_settings().set_soft_endstops(on);
-            Answer::Nothing
-        }
-        // M413 S0 is a no-op: power-loss recovery is always off.
-        SettingCommand::PowerLossRecovery(Some(false)) => Answer::Nothing,
-        SettingCommand::PowerLossRecovery(None) => Answer::Line("echo:Power-loss recovery OFF"),
-        SettingCommand::PowerLossRecovery(Some(true)) => {
-            Answer::Line("echo:Power-loss recovery OFF, this firmware cannot do it")
-        }
         SettingCommand::Shaper(ref words) => {
             return apart(pin!(change_shapers(main_loop, &mut states.clamps, words))).await;
         }

@@ -8,9 +8,24 @@
 //! Words of an answer are functions in the same file ([`Says`](crate::machine::answers::says::Says)). A command that
 //! waits is an arm of its family, one folder up.
 
+mod auto_reports;
 mod cold_extrusion;
+mod controller_fan;
 mod debug_flags;
+mod fan_turns;
 mod flow_percent;
+mod home_offsets;
+mod inches;
+mod plane;
+mod position;
+mod power_loss;
+mod power_off;
+mod print_area;
+mod progress;
+mod recovery;
+mod retraction;
+mod screw_place;
+mod soft_endstops;
 
 use super::states::States;
 use crate::gcode::{self, Command, Example, Line, OwnCommand, OwnEntry, OwnRow, parse_with};
@@ -32,9 +47,24 @@ macro_rules! list {
 }
 
 list! {
+    auto_reports,
     cold_extrusion,
+    controller_fan,
     debug_flags,
+    fan_turns,
     flow_percent,
+    home_offsets,
+    inches,
+    plane,
+    position,
+    power_loss,
+    power_off,
+    print_area,
+    progress,
+    recovery,
+    retraction,
+    screw_place,
+    soft_endstops,
 }
 
 /// Carries out a command, and returns its answer.

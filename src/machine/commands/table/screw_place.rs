@@ -1,34 +1,37 @@
 //! M422: where the screws of z are, and the points of the bed that are probed for them.
 
-use crate::gcode::{Number, ScrewWords};
+use super::{Answer, MainLoop, OwnCommand, OwnEntry, Pend, PortSet, States};
+use crate::gcode::{Grammar, Number};
 use crate::kinematics::SCREWS;
-use crate::machine::answers::answer::Answer;
 use crate::machine::answers::setting::Setting;
-use crate::machine::main_loop::MainLoop;
-use crate::machine::ports::PortSet;
-use crate::machine::state::clamps::Clamps;
-use crate::machine::state::modal::Modal;
-use crate::port::Pend;
 use crate::settings::{Range, Screw, Settings, WholePlace, ranges};
 use crate::units::Mm;
+
+pub(super) const ENTRY: OwnEntry = OwnEntry::m("Motors and drivers", &[422])
+    .grammar(&Grammar::numbers(b"SWXY"))
+    .does("S X Y, W X Y, R", "point that is probed for a screw of z (S), its place (W), as made (R); or reports")
+    .examples(&[
+        ("M422", &["  M422 S1 X40 Y200", "  M422 W1 X-25 Y200", "  M422 S2 X350 Y200", "  M422 W2 X415 Y200"]),
+        ("M422 S2 X300", &[]),
+        ("M422 S1 W1", &["echo:M422 ignored: S is a probed point, W a screw; give one of them"]),
+        ("M422 R", &[]),
+    ]);
 
 /// Half a mm: places are rounded.
 const HALF: Mm = const { Mm::lit("0.5") };
 
-/// M422.
-pub(super) fn place_screw<P: PortSet, W: Pend>(
+pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
-    modal: &Modal,
-    clamps: &mut Clamps,
-    words: &ScrewWords,
-) -> Answer<'static> {
-    let ScrewWords { point, place, x, y, resets } = *words;
-    if resets {
+    States { modal, clamps, .. }: &mut States,
+    command: &OwnCommand<'a>,
+) -> Answer<'a> {
+    if command.has(b'R') {
         let screws = main_loop.settings.defaults().screws;
         let wanted = Settings { screws, ..*main_loop.settings };
         main_loop.live_settings().set_plain(&wanted);
         return Answer::Nothing;
     }
+    let [point, place, x, y] = [b'S', b'W', b'X', b'Y'].map(|letter| command.number(letter));
     let (letter, screw) = match (point, place) {
         (None, None) => return Answer::Setting(Setting::Screws),
         (Some(screw), None) => ("S", screw),

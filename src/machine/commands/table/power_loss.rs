@@ -1,0 +1,25 @@
+//! M413: recovery from a loss of power. It is always off.
+
+use super::{Answer, MainLoop, OwnCommand, OwnEntry, Pend, PortSet, States};
+use crate::gcode::Grammar;
+
+pub(super) const ENTRY: OwnEntry = OwnEntry::m("Settings", &[413])
+    .grammar(&Grammar::numbers(b""))
+    .does("S", "power-loss recovery: always off; S1 says so")
+    .examples(&[
+        ("M413 S0", &[]),
+        ("M413 S1", &["echo:Power-loss recovery OFF, this firmware cannot do it"]),
+        ("M413", &["echo:Power-loss recovery OFF"]),
+    ]);
+
+pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
+    _: &mut MainLoop<'_, P, W>,
+    _: &mut States,
+    command: &OwnCommand<'a>,
+) -> Answer<'a> {
+    match command.switch() {
+        Some(true) => Answer::Line("echo:Power-loss recovery OFF, this firmware cannot do it"),
+        Some(false) => Answer::Nothing,
+        None => Answer::Line("echo:Power-loss recovery OFF"),
+    }
+}
