@@ -1,5 +1,5 @@
-//! The program of the computer that `cargo xtask usb` starts: takes the board by USB/IP, uses its port as people and
-//! their programs do, and says what it found on the console. Its kernel is Debian's; this is its only program.
+//! The program of the computer that `cargo xtask usb` starts. It takes the board by USB/IP, uses its port as people and
+//! their programs do, and prints its findings to the console. The kernel is Debian's; this is the only program.
 //!
 //! It is compiled by itself, for Linux without a C library. A failure is a panic, which the console shows.
 

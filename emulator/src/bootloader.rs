@@ -1,13 +1,13 @@
-//! The bootloaders' stand-ins: leave the chip as BTT's and Fysetc's do.
+//! Stand-ins for bootloaders: each leaves the chip in the same state as the bootloader of BTT or Fysetc.
 //!
 //! The state after BTT's bootloader was read from its machine code, `DFU Update bootloader/bootload/F446/bootload.hex`
 //! of github.com/bigtreetech/BIGTREETECH-OCTOPUS-V1.0. The addresses in `STEPS` are addresses of its instructions.
-//! Registers and bits follow RM0390 rev 6 and PM0214 rev 10. It looks for a card (there is none here), sets up a USART
-//! for a Wi-Fi module, resets the peripherals that it has used and jumps. Interrupts stay enabled, clocks stay on, and
-//! the processor runs at 180 MHz from the PLL's output R with over-drive.
+//! Registers and bits follow RM0390 rev 6 and PM0214 rev 10. The bootloader looks for a card (there is none here) and
+//! sets up a USART for a Wi-Fi module. Then it resets the peripherals that it has used, and jumps. Interrupts stay
+//! enabled, clocks stay on, and the processor runs at 180 MHz from the PLL's output R with over-drive.
 //!
-//! The real bootloader takes 1.38 s for that, in delay loops. They take 200 + 100 + 1000 + 10 + 100 ms by its own count
-//! of 22 instead of 22.5 ticks a microsecond, at 0x044c. The stand-in does not wait.
+//! The real bootloader takes 1.38 s for that, in delay loops of 200 + 100 + 1000 + 10 + 100 ms. These loops count 22
+//! instead of 22.5 ticks a microsecond (0x044c). The stand-in does not wait.
 
 use std::iter;
 

@@ -1,4 +1,4 @@
-//! What is plugged into the USB port.
+//! The other end of the USB cable: a computer of this program, or a real one.
 
 use crate::usb_line::UsbLine;
 use crate::usb_port::Cable;

@@ -1,8 +1,7 @@
-//! The chip: the STM32F427 model with a clock tree of its own, a USB port, and the lines of
-//! EXTI.
+//! The chip: the STM32F427 model with a clock tree of its own, a USB port, and the lines of EXTI.
 //!
 //! The crate's own model of OTG_FS handles only the reset register, and its tables lack the FIFOs. So OTG_FS is a
-//! window ([`UsbPort`]) to which the decoder leads ([`crate::decoder`]); the crate's own slot only hears its reset
+//! window ([`UsbPort`]), and the decoder leads to it ([`crate::decoder`]). The crate's own slot only hears its reset
 //! line.
 //!
 //! TIM6, TIM7, TIM9 and TIM12 have models of their own ([`small_timers`](crate::small_timers)).

@@ -1,7 +1,10 @@
 //! Command line of `corehbot-emulator`.
 //!
-//! 0: the image printed the file with the host's steps, or did nothing forbidden at the terminal. 1: it did not. 2:
-//! nothing was run.
+//! | exit status | meaning |
+//! |---|---|
+//! | 0 | the image printed the file with the host's steps, or did nothing forbidden at the terminal |
+//! | 1 | it did not |
+//! | 2 | nothing was run |
 
 use crate::clock_tree::Defect;
 use crate::compare::{self, Lateness, Timing};

@@ -1,8 +1,8 @@
-//! Rules for clocks that the chip does not enforce and a model does not know: a board that breaks one may start today
-//! and not tomorrow.
+//! Rules for clocks that the chip does not enforce and a model does not know. A board that breaks one may start today
+//! and fail tomorrow.
 //!
-//! Sections are those of RM0390 rev 6. Every write to RCC, PWR or the flash interface is checked, the bootloader's as
-//! well.
+//! Section numbers refer to RM0390 rev 6. Every write to RCC, PWR or the flash interface is checked, also the
+//! bootloader's writes.
 //!
 //! | rule | section |
 //! |---|---|

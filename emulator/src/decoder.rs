@@ -1,8 +1,8 @@
 //! The address decoder in front of the crate's bus: it leads the USB core's addresses to a window of its own.
 //!
-//! The crate's tables of OTG_FS lack GRXSTSP, two endpoints of each direction and all FIFOs, and its power register
-//! block lies over the first FIFO. So all accesses of the processor to OTG_FS go to an address that no part has, where
-//! the board has put [`UsbPort`](crate::usb_port::UsbPort).
+//! The crate's tables of OTG_FS lack GRXSTSP, two endpoints of each direction and all FIFOs. Their power register block
+//! lies over the first FIFO. So all accesses of the processor to OTG_FS go to an address that no other part has. The
+//! board has put [`UsbPort`](crate::usb_port::UsbPort) there.
 
 use rigless::emulator::{Access, Checked, CoreBus, InterruptLine, Queued};
 use rigless::time::VirtualNanos;

@@ -1,7 +1,7 @@
 //! A driver on its wire: the simulator's TMC2209, and the bits that it hears and sends.
 //!
-//! The firmware's edges come from its stores to the port; the driver's own are played at their instants of virtual
-//! time, for which the run stops between two instructions.
+//! The firmware's edges come from its stores to the port. The driver's own edges are played at their instants of
+//! virtual time. For each of them the run stops between two instructions.
 
 use crate::board::{Emulated, Port};
 use crate::hearing::{Heard, Hearing};

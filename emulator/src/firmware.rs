@@ -1,7 +1,7 @@
 //! The image under test: an ELF file, exactly as the build made it, after a stand-in for the bootloader.
 //!
-//! A test may change single words of the copy in memory, to cause a fault that a sound image cannot have; the file's
-//! digest always stays the file's.
+//! A test may change single words of the copy in memory, to cause a fault that a sound image cannot have. The digest is
+//! always the digest of the unchanged file.
 
 use crate::bootloader::{Bootloader, RESET};
 use crate::wiring::Wiring;

@@ -1,7 +1,7 @@
-//! A serial line to a host: bytes at the pace of the firmware's own baud rate, lines to a scripted host. Or to a host
-//! outside, which [`crate::terminal`] brings in.
+//! A serial line to a host, with bytes at the firmware's own baud rate. The host is scripted, or it is outside and
+//! [`crate::terminal`] connects it.
 //!
-//! A scripted host waits for the greeting before it sends, and answers at once: the delays of a computer and its
+//! A scripted host waits for the greeting before it sends, and answers at once. The delays of a computer and its
 //! adapter are no property of the image. The firmware sets the rate; [`crate::run`] compares it with the stated one.
 
 use crate::tick::NS_PER_TICK;

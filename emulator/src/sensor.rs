@@ -2,7 +2,7 @@
 //! sheet forbids.
 //!
 //! Sources: ADXL345 datasheet rev E (timing table, FIFO, register definitions); LIS2DW12 datasheet (register
-//! description). The sensor samples in virtual time, so a sample that is fetched too late is lost here as there.
+//! description). The sensor samples in virtual time, so a sample that is fetched too late is lost, as in a real sensor.
 //!
 //! | rule | source |
 //! |---|---|

@@ -1,8 +1,8 @@
-//! SPI3 with its two DMA streams: what the manual forbids there, and the model of the crate lets pass.
+//! SPI3 with its two DMA streams: rules of the manual that the crate's model does not enforce.
 //!
 //! The crate models the bus, the streams and the time that a byte takes; [`Sensor`](crate::sensor::Sensor) is at its
-//! end. Here stand the rules for the order of writes, and for pins (RM0390 rev 6, chapters of the SPI, the DMA and the
-//! ports; data sheets of both sensors).
+//! end. This file has the rules for the order of writes and for pins. Their sources are RM0390 rev 6 (chapters of the
+//! SPI, the DMA and the ports) and the data sheets of both sensors.
 //!
 //! | rule | source |
 //! |---|---|

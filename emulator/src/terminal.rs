@@ -1,13 +1,13 @@
 //! The terminal: a pseudo-terminal for a host outside, with a hand at the machine. Programs of this computer open it as
 //! they would the port of an adapter at the board's UART.
 //!
-//! | whose turn | emulated time |
+//! | turn | emulated time |
 //! |---|---|
 //! | the host's | real time; at full speed it first stands for 0.25 s at most, as in `corehbot serve` |
 //! | the board's: a line has no answer | `--speed 1`: real time, or slower if the computer is; `max`: the fastest |
 //!
-//! So a wait of the board (heating, homing) may take less than real time, and a time-out of a host never more emulated
-//! time than it has real time. What a slow computer cannot keep up with is not made good.
+//! So a wait of the board (heating, homing) may take less than real time. A time-out of a host never has more emulated
+//! time than real time. Time that a slow computer loses is not made up for.
 
 use crate::line::HostLine;
 use crate::tick::NS_PER_TICK;

@@ -1,8 +1,8 @@
 //! Traps: faults that happen in mid-motion, in code that is otherwise the image's own.
 //!
-//! A sound image cannot be made to panic or hang. So the first instructions of a context's handler are replaced by a
-//! jump to a few of ours, in flash that the image leaves free. These read a word in memory that the model has and the
-//! F446 lacks. As long as the word is 0, they return to the handler.
+//! A sound image cannot be made to panic or hang. So a jump replaces the first instructions of a context's
+//! handler. It leads to a few instructions of ours, in flash that the image leaves free. These read a word in memory
+//! that the model has and the F446 lacks. As long as the word is 0, they return to the handler.
 
 use crate::firmware::{Firmware, branch};
 use anyhow::{Result, bail};

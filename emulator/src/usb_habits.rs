@@ -1,4 +1,4 @@
-//! What a computer on the USB cable does with the cable and the port.
+//! Habits of a computer on the USB cable: how it uses the cable and the port.
 
 /// What the computer does beside its conversation.
 #[derive(Clone, Copy, Default, Debug)]

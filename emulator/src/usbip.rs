@@ -4,9 +4,9 @@
 //! It carries transfers by endpoint. It does not carry resets, SET_ADDRESS, toggles, suspend and the order of packets:
 //! this end makes those itself, as [`UsbHost`] has them.
 //!
-//! Emulated time stands while the computer is thinking. After it has got bytes, the board waits for its next ones, for
-//! a while in real time. So lines come as fast as a computer without delay would send them. A wait in vain makes the
-//! next ones shorter.
+//! Emulated time stands while the computer is thinking. After the computer has got bytes, the board waits for its next
+//! bytes, for a while in real time. So lines come as fast as a computer without delay would send them. A wait in vain
+//! makes the next waits shorter.
 
 use crate::usb_discovery::Discovery;
 use crate::usb_port::{Cable, IDLE_NS, PACKET_NS};

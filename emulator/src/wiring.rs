@@ -1,7 +1,7 @@
 //! Wiring: the job of each pin of the chip on the board, and the part connected to it.
 //!
-//! It is taken from the board's schematic and not from the firmware: an image that has mixed up two pins must not find
-//! the same mistake here. Each board has a [`Wiring`] in [`ALL`], and `tests/machines.rs` runs its image on it.
+//! It is taken from the board's schematic and not from the firmware. So an image that has mixed up two pins does not
+//! find the same mistake here. Each board has a [`Wiring`] in [`ALL`], and `tests/machines.rs` runs its image on it.
 
 use corehbot::connectors::{Output, Sensor};
 use corehbot::motors::{EndstopSet, MOTORS, Motor, MotorSet, per_motor, prototype};

@@ -1,5 +1,5 @@
-//! The first hour with the image: `corehbot bringup` at a pseudo-terminal in place of the board's UART, with the rig's
-//! heat, switches and drivers on the pins, and a hand at them.
+//! The first hour with the image: `corehbot bringup` at a pseudo-terminal in place of the board's UART. The rig's heat,
+//! switches and drivers are on the pins, and a hand uses them.
 
 use crate::common::{Bench, bench_of, plain_firmware, talk_on};
 use corehbot::motors::prototype;

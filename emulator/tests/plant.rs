@@ -1,5 +1,5 @@
-//! The image turns the twin's belt: it aligns the motors by the loads that drivers report over their wires, with the
-//! steps of the simulator.
+//! The image turns the twin's belt. It aligns the motors by the loads that drivers report over their wires, and makes
+//! the steps of the simulator.
 
 use crate::common::{Bench, firmware, print_on};
 use corehbot::port::NoStorage;

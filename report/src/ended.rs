@@ -1,5 +1,5 @@
-//! Ended: a print that is over, as the parts of the simulator know it. The command and the page make their summary
-//! here.
+//! Ended: a print that is over, as the parts of the simulator know it. The summary of the command and of the page is
+//! made here.
 
 use crate::mesh::MeshSummary;
 use crate::moves::StoredMoves;

@@ -1,7 +1,7 @@
 //! HeatLog: temperatures and duties over the time of a print, in bounded memory.
 //!
-//! A bin keeps the least, the greatest and the mean of each quantity. Bins begin as short as a control period; when
-//! there are too many, every two become one, and a peak of one period is still there after a day.
+//! A bin keeps the least, the greatest and the mean of each quantity. Bins begin as short as a control period.
+//! When there are too many, every two become one. A peak of one period is still there after a day.
 
 use corehbot::connectors::{FANS, HEATERS};
 use corehbot::thermal::PERIOD_MS;

@@ -17,7 +17,7 @@
 //! | [`mod@print`] | the page of a print |
 //! | [`viewer`] | the script that shows a print |
 //! | [`twin`] | the pages of the twin |
-//! | [`resonance`] | the page of what an accelerometer measured |
+//! | [`resonance`] | the page of an accelerometer's recordings |
 //! | [`svg`] | drawings and charts |
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]

@@ -1,8 +1,9 @@
-//! Moves of a print, packed, in a file, and their sums by type and by layer.
+//! Moves of a print, packed in a file, and their sums by type and by layer.
 //!
-//! They are packed in chunks that can be read alone: at most [`CHUNK`] moves of one layer, between two namings of the
-//! place. A move is these numbers, all as varints; differences are to the move before, in the chunk's
-//! first move to 0.
+//! They are packed in chunks that can be read alone. A chunk has at most [`CHUNK`] moves of one layer. It ends where
+//! the firmware gives the place another name (G92), because the next move does not begin where this one ended. A move
+//! is the numbers of this table, all as varints. A difference is to the move before; in a chunk's first move it is to
+//! 0.
 //!
 //! | numbers | unit |
 //! |---|---|

@@ -1,5 +1,5 @@
-//! Page of what an accelerometer measured: spectra, shapers, belt paths and the profile by speed and angle, without any
-//! network, in the style of the other pages.
+//! The page of an accelerometer's recordings: spectra, shapers, belt paths, and the profile by speed and angle. It
+//! needs no network and has the style of the other pages.
 
 use crate::twin::fill;
 use anyhow::{Context as _, Result};

@@ -1,13 +1,13 @@
 //! Viewer: the script and the style that show the record of a print, in a report and in any other page.
 //!
 //! The script is one expression, `corehbotViewer`, in plain JavaScript of small files, without a build tool. It draws
-//! lines by WebGL 2 itself: three.js has 700 kB, makes an object of what is one draw call here, and its lines are
-//! instances, which a software renderer draws forty times slower. Curves are drawn by uPlot (50 kB), which is in
-//! `viewer/uplot` with its licence and its SHA-256.
+//! lines by WebGL 2 itself. three.js has 700 kB, and makes an object for each draw call of this script. Its lines are
+//! instances, which a software renderer draws forty times slower. uPlot (50 kB) draws curves; it is in `viewer/uplot`
+//! with its licence and its SHA-256.
 //!
 //! | call | job |
 //! |---|---|
-//! | `openRecord(root, data, streams)` | shows a record in an element, in place of what was there |
+//! | `openRecord(root, data, streams)` | shows a record in an element, and replaces its content |
 //! | `openPreview(root, data, blobs)` | shows a first picture of a large record there, before the rest is read |
 //! | `streamsOfPage()`, `streamOfPage(name)` | the streams that are in the page's own scripts |
 //! | `joinPage()` | waits for the page around it, which may have put the report into a frame |

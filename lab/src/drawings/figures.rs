@@ -1,7 +1,7 @@
 //! Figures: the schematics, table 1 and the workspaces of the CoreH-bot paper, drawn from the routing alone.
 //!
-//! Radii and the widths of bar and head are larger than they are, as in the paper, so that belts can be told apart. The
-//! run of the belts follows from the same tables as every figure of the twin.
+//! Radii and the widths of bar and head are larger than they are, as in the paper, so that a reader can tell belts
+//! apart. The run of the belts follows from the same tables as every figure of the twin.
 //!
 //! | file | content |
 //! |---|---|

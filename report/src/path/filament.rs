@@ -1,7 +1,7 @@
-//! Filament: on which stretches of the path it is laid.
+//! Filament: which stretches of the path are printed.
 //!
-//! The extruder's steps are further apart than the axes' steps. The way between two forward steps is printed, unless it
-//! is much longer than the ways between the steps before it: then the tool travelled.
+//! The extruder's steps are further apart than the axes' steps. The way between two forward steps is printed. If it is
+//! much longer than the ways between the steps before it, the tool travelled.
 
 use super::{Place, distance};
 
