@@ -112,7 +112,8 @@ fn every_key_that_a_text_names_exists() {
 #[test]
 fn keys_over_two_lines_and_with_stars_are_seen() {
     let tables: BTreeSet<String> = ["endstops", "homing"].map(str::to_owned).into();
-    let code = "let a = '\"'; // \"endstops.q\"\n note(\"the end (endstops.*.end)\", \"see \\\n   homing.z.\\\n  position.\");";
+    let code = "let a = '\"'; // \"endstops.q\"\n note(\"the end (endstops.*.end)\", \
+                \"see \\\n   homing.z.\\\n  position.\");";
     assert_eq!(keys(&literals(code), &tables), ["endstops.*.end", "homing.z.position"]);
     let schema = schema();
     assert!(has(&schema, &["homing", "*", "end"]) && has(&schema, &["drivers", "z1", "current_ma"]));
