@@ -1,7 +1,7 @@
 //! Kinds of files, by their content: what a file is, and what to do with it.
 //!
-//! People give a command or the page another file than it wants: a configuration in place of G-code, a model in place
-//! of its sliced file. Both then tell what the file is and which command takes it, in the words of this table.
+//! People give a command or the page a file of the wrong kind: a configuration in place of G-code, a model in place of
+//! its sliced file. Both then say what the file is and which command takes it, in the words of this table.
 //!
 //! Names and endings count for nothing. A text is judged by its first bytes ([`START`]); a configuration has
 //! to be whole in them.

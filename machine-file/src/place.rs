@@ -1,7 +1,7 @@
 //! Places: where in a TOML file an error is, and which name the writer may have meant.
 //!
-//! Nothing here knows the keys of a machine: places come from the TOML parser, suggestions from the list of names that
-//! the error itself carries.
+//! Nothing here knows the keys of a machine. Places come from the TOML parser. Suggestions come from the list of names
+//! in the error.
 
 use crate::short::short;
 use std::fmt::{self, Display};

@@ -1,5 +1,5 @@
-//! The schema of machine files, for editors: keys with their units, kinds, ranges and meanings from the rows of all
-//! settings, defaults from the prototype.
+//! The schema of machine files, for editors. Keys with their units, kinds, ranges and meanings come from the rows of
+//! all settings. Defaults come from the prototype.
 
 use crate::keys::{
     ALL, BOARD, FULL_STEPS, OF_MOTOR, Of, Other, ROUTING_MEANING, about, fraction, named, names_of, routings, shortest,

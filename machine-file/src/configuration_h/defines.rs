@@ -1,7 +1,7 @@
 //! Defines: which `#define`s of the files count.
 //!
-//! `//#define` is off. A condition that needs names of Marlin's other files may be unknown: then all of its branches
-//! are read, and of a name with two values neither counts.
+//! `//#define` is off. A condition that needs names of Marlin's other files may be unknown. Then all of its branches
+//! are read, and if a name gets two values, neither counts.
 
 use super::expression::{Names, Number, value};
 use std::collections::{BTreeMap, BTreeSet};

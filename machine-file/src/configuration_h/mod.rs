@@ -11,7 +11,7 @@
 //! | `plugs` | directions of motors, levels of switches |
 //! | `others` | drivers, fans, pauses, switches of other defines |
 //! | `look` | the work on one define |
-//! | `tables` | what to say of the rest |
+//! | `tables` | remarks on the rest |
 //!
 //! Most defines are the numbers that M503 reports, so they become its words (`marlin::source`).
 

@@ -1,4 +1,4 @@
-//! Defines of drivers, fans and pauses, and switches whose numbers stand in other defines.
+//! Defines of drivers, fans and pauses, and switches that have their numbers in other defines.
 
 use super::look::Look;
 use crate::translation::Kind;

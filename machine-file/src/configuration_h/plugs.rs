@@ -1,4 +1,4 @@
-//! What stands at sockets and inputs: directions of motors, levels of switches, kinds of drivers.
+//! Sockets and inputs: directions of motors, levels of switches, kinds of drivers.
 
 use super::defines::Defines;
 use super::look::Look;

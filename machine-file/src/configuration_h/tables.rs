@@ -1,4 +1,4 @@
-//! What to say of defines that nothing here uses.
+//! Remarks on defines that nothing here uses.
 
 use crate::pattern::matches;
 use crate::translation::Kind::{self, Decide, NotNeeded, NotYet};

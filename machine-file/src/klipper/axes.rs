@@ -165,8 +165,8 @@ fn bed(work: &mut Work<'_>, axis: &str, least: f64, most: f64) {
     work.notes.push(Verdict::new(Kind::Approximated, text));
 }
 
-/// What Klipper refuses of a switch's place: one outside of its axis, and one that is near no end while nothing says
-/// which (`GenericPrinterRail` in `klippy/stepper.py`: a quarter of the axis is near). The place of a probe is its own.
+/// Klipper refuses two places of a switch: outside of its axis, and near no end while nothing says which end. A quarter
+/// of the axis is near (`GenericPrinterRail` in `klippy/stepper.py`). The place of a probe is its own.
 pub(super) fn refused(config: &Config) -> Option<String> {
     AXES.iter().find_map(|axis| {
         let section = format!("stepper_{axis}");

@@ -1,9 +1,12 @@
 //! A configuration of Klipper: its sections and keys, in the order of the files, with the place of each.
 //!
-//! Klipper reads its files with Python's `configparser`, and so do these rules: `#` begins a comment anywhere, `;` at
-//! the beginning of a word; a line that is indented further than its key continues the value; keys have no case; a
-//! section that comes again goes on; a later value replaces an earlier one. After an include a section has to begin
-//! again. What SAVE_CONFIG wrote (`#*#` at the end of the first file) counts where the file itself says nothing.
+//! Klipper reads its files with Python's `configparser`. These rules are the same:
+//!
+//! - `#` begins a comment anywhere, `;` at the beginning of a word.
+//! - A line that is indented further than its key continues the value. Keys have no case.
+//! - A section that comes again goes on. A later value replaces an earlier one.
+//! - After an include a section has to begin again.
+//! - The block of SAVE_CONFIG (`#*#` at the end of the first file) counts where the file itself says nothing.
 
 use crate::pattern::is_pattern;
 use crate::short::short;

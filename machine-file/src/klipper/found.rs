@@ -144,8 +144,9 @@ impl Pinned {
         self.chip.as_ref().is_some_and(|chip| !entry.chip.to_lowercase().starts_with(chip.as_str()))
     }
 
-    /// The board with all pins. Of boards with the same pins it is the one with most fans, then the one that a
-    /// comment, a section, a file or the serial port names, or else the one that the firmware takes for granted.
+    /// The board with all pins. Of boards with the same pins it is the board with most fans. Then it is the board that
+    /// a comment, a section, a file or the serial port names. Otherwise it is the board that the firmware takes for
+    /// granted.
     ///
     /// # Errors
     /// The reason why it cannot be told, and what to do.

@@ -10,9 +10,9 @@
 //! | `work` | the translation so far |
 //! | `stepper` | a motor |
 //! | `motors`, `drivers`, `axes`, `heat`, `fans`, `probe`, `bed` | one part of a machine each |
-//! | `defaults` | what counts where Klipper's files say nothing |
+//! | `defaults` | Klipper's defaults where its files say nothing |
 //! | `tables` | keys that are one number, and remarks on the rest |
-//! | `report` | what became of every key |
+//! | `report` | the verdict on every key |
 //!
 //! The report goes through all keys of the configuration. So a key that no part knows has a verdict too.
 

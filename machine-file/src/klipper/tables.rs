@@ -1,4 +1,4 @@
-//! Tables: keys of Klipper that are one number, and what to say of all others.
+//! Tables: keys of Klipper that are one number, and remarks on all others.
 
 use crate::pattern::matches;
 use crate::translation::Kind;

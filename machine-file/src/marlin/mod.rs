@@ -1,16 +1,15 @@
-//! Marlin: what a printer says of itself (M503, M115, M211, M119, M122) as a machine file, with a verdict on every
-//! word.
+//! Marlin: a printer's reports (M503, M115, M211, M119, M122) as a machine file, with a verdict on every word.
 //!
 //! Nothing here opens a file or a port: it goes from text to text.
 //!
 //! | file | job |
 //! |---|---|
 //! | `said` | a text to words |
-//! | `firmware` | which firmware it is that answers |
+//! | `firmware` | which firmware answers |
 //! | `work` | the translation so far |
 //! | `motors`, `axes`, `heat` | one part of a machine each |
 //! | `tables` | words that are one number, and remarks on the rest |
-//! | `report` | what became of every word |
+//! | `report` | the verdict on every word |
 //! | `source` | other sources that become such words |
 //!
 //! A printer does not say how it is wired. Such keys get a value with which nothing breaks, and are to be filled in.

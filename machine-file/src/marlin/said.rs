@@ -1,9 +1,13 @@
-//! What a printer said: the lines of M503, M115, M211, M119 and M122 as words.
+//! A printer's reports as words: the lines of M503, M115, M211, M119 and M122.
 //!
-//! Versions differ in their decoration (`Marlin/src/module/settings.cpp`, `MarlinSettings::report`; in 1.1.9
-//! `configuration_store.cpp`): a line of settings begins with `echo:` or with blanks alone, headings end with a colon
-//! and begin with `; ` from 2.0.9 on, remarks follow behind `;`. The commands themselves are the same. Logs of hosts
-//! put `Recv:` and a time before each line.
+//! Versions differ in their decoration, but not in the commands (`Marlin/src/module/settings.cpp`,
+//! `MarlinSettings::report`; in 1.1.9 `configuration_store.cpp`):
+//!
+//! - A line of settings begins with `echo:` or with blanks alone.
+//! - Headings end with a colon, and begin with `; ` from 2.0.9 on.
+//! - Remarks follow behind `;`.
+//!
+//! Logs of hosts put `Recv:` and a time before each line.
 
 use super::tables::selectors;
 

@@ -1,5 +1,5 @@
-//! Sources that become words of Marlin: a part of a source is an item, and an item says some words of M503 or of other
-//! answers. So the rules for words hold for them too, and an item's verdict is the verdict on its words.
+//! Sources that become words of Marlin. A part of a source is an item, and an item says some words of M503 or of other
+//! answers. So the rules for words hold for items too, and an item's verdict is the verdict on its words.
 
 use super::said::{Said, Word};
 use super::tables::{NO_SETTING, remark};

@@ -1,4 +1,4 @@
-//! Tables: words of Marlin that are one number, and what to say of all others.
+//! Tables: words of Marlin that are one number, and remarks on all others.
 
 use crate::pattern::matches;
 use crate::translation::Kind::{self, NotNeeded, NotYet};

@@ -4,8 +4,8 @@
 //! |---|---|
 //! | `lines` | a text to commands and their words |
 //! | `words` | its commands as words of Marlin: other units, and other names |
-//! | `parts` | what no word of Marlin says: sensors, switches, the probe, heaters |
-//! | `tables` | what to say of the rest |
+//! | `parts` | parts without a word of Marlin: sensors, switches, the probe, heaters |
+//! | `tables` | remarks on the rest |
 //!
 //! RepRapFirmware has speeds in mm/min where Marlin has mm/s (M203, M566), and peak currents where a machine file has
 //! root mean squares (M906).

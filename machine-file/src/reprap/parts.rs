@@ -1,4 +1,4 @@
-//! What no word of Marlin says: directions, switches, sensors, heaters, the probe.
+//! Parts without a word of Marlin: directions, switches, sensors, heaters, the probe.
 
 use super::lines::{Command, Word};
 use super::tables::is_read;

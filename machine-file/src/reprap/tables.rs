@@ -1,4 +1,4 @@
-//! What to say of words that nothing here uses.
+//! Remarks on words that nothing here uses.
 
 use crate::pattern::matches;
 use crate::translation::Kind::{self, Approximated, Decide, NotNeeded, NotYet};

@@ -1,12 +1,12 @@
 //! Translation: the configuration of another firmware as a machine file, with a verdict on every part of it.
 //!
-//! `klipper`, `marlin`, `configuration_h` and `reprap` read the configurations. Here is the work that they share.
+//! `klipper`, `marlin`, `configuration_h` and `reprap` read the configurations. They share the work of this folder.
 //!
 //! | file | job |
 //! |---|---|
 //! | `draft` | the translation so far |
 //! | `lines` | the text that it becomes |
-//! | `verdict`, `report` | what became of every part |
+//! | `verdict`, `report` | the verdict on every part |
 
 pub(crate) mod draft;
 mod lines;

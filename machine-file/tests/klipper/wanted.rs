@@ -1,4 +1,4 @@
-//! The needs of eleven printers that owners have published, in configurations of our own, and what holds of each.
+//! The needs of eleven printers that owners have published, in configurations of our own, and the verdicts on each.
 //!
 //! The table in docs/reference/machines.md (What other printers need) sums up these verdicts.
 

@@ -1,5 +1,5 @@
-//! Properties for any bytes at all, as a configuration of Klipper, as the answers of a printer with Marlin, as Marlin's
-//! source, and as a config.g: one body for the fuzzer and for the property tests.
+//! Properties for any bytes at all: as a configuration of Klipper, as the answers of a printer with Marlin, as Marlin's
+//! source, and as a config.g. The fuzzer and the property tests share one body.
 
 use corehbot_machine_file::klipper::{self, Config, Files};
 use corehbot_machine_file::marlin::{self, Firmware, Given, Kinematics};

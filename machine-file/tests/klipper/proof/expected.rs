@@ -1,4 +1,4 @@
-//! What every key of the machine file has to be, by the laws of Klipper's documentation and of docs/reference.
+//! The expected value of every key of the machine file, by the laws of Klipper's documentation and of docs/reference.
 
 use super::reader::Read;
 use std::collections::BTreeMap;

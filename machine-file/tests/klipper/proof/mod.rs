@@ -1,5 +1,5 @@
-//! A proof of values: configurations with every section are made at random, another reader works out what each key of
-//! the machine file has to be, and every value of the file is compared.
+//! A proof of values. Configurations with every section are made at random. Another reader works out each key of the
+//! machine file, and every value of the file is compared.
 //!
 //! The reader (`reader`, `expected`) shares nothing with the converter: its own parser, its own tables of pins, and the
 //! laws of Klipper's documentation. A key in the file that it does not expect is a failure too.
