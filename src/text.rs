@@ -1,8 +1,8 @@
 //! Text: what `protocol` and `gcode` both do with bytes, taking blanks off and reading digits; and the short names of
 //! motors and connectors (`short_name.rs`).
 //!
-//! What counts as a blank is the caller's to say: to `gcode` the no-break space that people copy from web pages is one,
-//! to `protocol`, which trusts what a checksum covers, only space and tab are.
+//! The caller says which characters are blanks. To `gcode` the no-break space that people copy from web pages is one.
+//! To `protocol`, which trusts the text below a checksum, only space and tab are.
 
 mod short_name;
 

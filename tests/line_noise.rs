@@ -1,8 +1,8 @@
 //! Whole prints over a line that damages, loses and repeats: every command is carried out once and in order, nothing
 //! else is, and the print ends.
 //!
-//! Two kinds of damage are left out: damage that an 8-bit sum cannot see (one damaged line in 256), and damage that
-//! takes both the N and the star, because no answer helps.
+//! Two kinds of damage are left out, because no answer helps: damage that an 8-bit sum cannot see (one damaged line in
+//! 256), and damage that takes both the N and the star.
 
 use crate::support::hosts::{Host, Pauses, Printcore, Windowed};
 use crate::support::machine::Machine;

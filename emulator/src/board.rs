@@ -62,8 +62,8 @@ const JTAG: [Pin; 2] = [Pin::new('B', 3), Pin::new('B', 4)];
 /// The chip's temperature in C.
 pub const CHIP_CELSIUS: u8 = 40;
 
-/// Where the factory's readings of ADC1 at 3.3 V are (STM32F446 datasheet, VREFIN_CAL, TS_CAL1 and TS_CAL2), and those
-/// of a usual chip: 1.21 V; 0.76 V at 25 C and 2.5 mV/K more, at 30 and at 110 C.
+/// Address of the factory's readings of ADC1 at 3.3 V (STM32F446 datasheet, VREFIN_CAL, TS_CAL1 and TS_CAL2). A usual
+/// chip has 1.21 V, and 0.76 V at 25 C with 2.5 mV/K more, read at 30 and at 110 C.
 pub const FACTORY_WORDS: u64 = 0x1FFF_7A2A;
 /// See [`FACTORY_WORDS`].
 pub const FACTORY: [[u8; 2]; 3] = [1501_u16.to_le_bytes(), 958_u16.to_le_bytes(), 1207_u16.to_le_bytes()];

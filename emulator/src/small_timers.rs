@@ -111,7 +111,7 @@ mod tests {
         timer.output(Channel::new(2).unwrap(), registers)
     }
 
-    /// 60,000 counts of 30 cycles are 20 ms; a pulse of the last 15,000 begins after 15 ms.
+    /// A period of 60,000 counts of 30 cycles is 20 ms; a pulse of the last 15,000 begins after 15 ms.
     fn pulse() -> Chip {
         let mut chip = Chip::new().unwrap();
         chip.check().unwrap();

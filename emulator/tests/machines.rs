@@ -227,9 +227,9 @@ fn moves_on(firmware: &Firmware, file: &str, wiring: Wiring) -> Seen {
     seen
 }
 
-/// The image steps on the pins of each board as the simulator does, with motor 4 in a socket and the switch of x at an
-/// input that the prototype does not use. On the Octopus the direction line of that socket is the debug port's clock. A
-/// slow direction pin rises within 100 ns (STM32F446 datasheet, I/O AC characteristics at the lowest speed), and the
+/// The image steps on the pins of each board as the simulator does. Motor 4 is in a socket, and the switch of x at an
+/// input, that the prototype does not use. On the Octopus the direction line of that socket is the debug port's clock.
+/// A slow direction pin rises within 100 ns (STM32F446 datasheet, I/O AC characteristics at the lowest speed), and the
 /// driver wants it 20 ns before a step.
 #[test]
 fn the_image_steps_on_each_of_its_boards() {

@@ -1,7 +1,7 @@
 //! The laboratory: studies of belt machines that papers ask for, and that no print needs.
 //!
-//! `corehbot-lab` is its command. It stands on the belt's twin, and nothing stands on it: the firmware, the simulator and
-//! the `corehbot` command are built without it. Units and directions are those of [`corehbot_twin`].
+//! `corehbot-lab` is its command. It stands on the belt's twin, and nothing stands on it: the firmware, the simulator
+//! and the `corehbot` command are built without it. Units and directions are those of [`corehbot_twin`].
 //!
 //! | room | job |
 //! |---|---|

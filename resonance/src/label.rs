@@ -53,8 +53,9 @@ impl Axis {
     }
 }
 
-/// Axis of the sweep that a file's name tells. A vector counts, then the word that Klipper puts behind its own name for
-/// the file, then the last letter of an axis, and of a belt path at last: the end of the name is the owner's.
+/// Axis of the sweep that a file's name tells. A vector counts first, then the word that Klipper puts behind its own
+/// name for the file. Then the last letter of an axis counts, and at last the last letter of a belt path. The end of
+/// the name is the owner's.
 #[must_use]
 pub fn axis(name: &str) -> Option<Axis> {
     if let Some((_, vector)) = name.split_once("axis=") {

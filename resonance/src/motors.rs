@@ -3,8 +3,8 @@
 //! A motor that turns evenly shakes the tool once an electrical turn (an offset of a phase's current), twice (phases of
 //! unlike strength) and four times (full steps, detent). These are orders of its speed, so each run has them at
 //! frequencies that are known. The force of an order does not depend on the speed. So the amplitude of the tool at it,
-//! over all speeds, is the response of the machine from the motor to the tool, times a strength of each order: an order
-//! analysis of a run-up (A. Brandt, Noise and Vibration Analysis, 2011, chapter 12). Modes are fitted to it.
+//! over all speeds, is the response of the machine from the motor to the tool, times a strength of each order. This is
+//! an order analysis of a run-up (A. Brandt, Noise and Vibration Analysis, 2011, chapter 12). Modes are fitted to it.
 //!
 //! Motors that turn together cannot be told apart here: their orders have the same frequencies. Directions along which
 //! one group turns and the others stand tell the groups apart.

@@ -1,8 +1,8 @@
 //! Causes of faults. Each has a fixed number, which is kept over resets and shown as `[E04]`.
 //!
-//! A new cause gets the next number at the end. The matches below have no wildcard, so the compiler asks for the rest:
-//! its place in [`Cause::all`], whether only the power supply can end it, its text, its remedy, and the meaning of its
-//! numbers. Hosts read the text, so `tests/replies.rs` looks for words that they would misread.
+//! A new cause gets the next number at the end. The matches below have no wildcard, so the compiler asks for the rest.
+//! This is its place in [`Cause::all`], whether only the power supply can end it, its text, its remedy, and the meaning
+//! of its numbers. Hosts read the text, so `tests/replies.rs` looks for words that they would misread.
 
 use crate::connectors::Heater;
 use crate::units::Celsius;

@@ -6,11 +6,10 @@
 //! `machine` carries the command out; room `protocol` has already removed a line's number and checksum. No state is
 //! kept: a line gives the same command after any other lines.
 //!
-//! `parse` finds the code and its row in `commands`, where each family of commands has a file: the type, the reader of
-//! its words, its rules for them, and its line in docs/reference/gcode.md. Codes and letters of plain settings come
-//! from the rows of `settings`. `parse_with` looks into the own table of room `machine` too, where a file has all of a
-//! command. `index` has the parts that words select. The other files read letters, numbers and
-//! axes.
+//! `parse` finds the code and its row in `commands`. Each family of commands has a file there, with the type, the
+//! reader of its words, its rules for them, and its line in docs/reference/gcode.md. Codes and letters of plain
+//! settings come from the rows of `settings`. `parse_with` looks into the own table of room `machine` too, where a file
+//! has all of a command. `index` has the parts that words select. The other files read letters, numbers and axes.
 
 mod axes;
 mod code;

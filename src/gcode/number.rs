@@ -119,7 +119,7 @@ impl From<i32> for Number {
     }
 }
 
-/// Digits that the quick path takes, which fit 32 bits; slicers write 3 decimals of positions and 5 of the extruder.
+/// Digits that the quick path takes, which fit 32 bits. Slicers write 3 decimals of positions and 5 of the extruder.
 const QUICK: usize = 9;
 
 /// 10^n, and floor(2^63 / 10^n), which spares the quick path a 64-bit division.

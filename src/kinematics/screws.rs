@@ -1,7 +1,7 @@
 //! Screws: how far each of several z motors turns so that bed and nozzle are level, given heights at a few points.
 //!
-//! Heights at points of the bed become heights at the screws by a least-squares fit: a line through two screws, a plane
-//! over three, and over four a plane with a twist, because four belts carry a gantry that can twist. The fit is
+//! Heights at points of the bed become heights at the screws by a least-squares fit. It is a line through two screws, a
+//! plane over three, and a plane with a twist over four, because four belts carry a gantry that can twist. The fit is
 //! evaluated at the screws' own places. Points that are taken for the screws themselves would correct too little, by
 //! the ratio of the two distances.
 

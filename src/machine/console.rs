@@ -5,9 +5,9 @@
 //! the main loop and the states that it names; no file but this one knows the Console.
 //!
 //! M410 and M524 end every wait with an error, which comes up to here: `quick_stop` brakes, drops the motion and
-//! restores everything that a command had changed for a while (grouping, trim, a buzz, drivers that measure, a probe
-//! that is out or near the bed, an axis that was being homed). Then the line is answered. A command that must tidy up
-//! by itself catches the error where it waits (`tune`, `settings::stored`). A line that is kept without `ok`
+//! restores everything that a command had changed for a while. This is grouping, trim, a buzz, drivers that measure, a
+//! probe that is out or near the bed, an axis that was being homed. Then the line is answered. A command that must tidy
+//! up by itself catches the error where it waits (`tune`, `settings::stored`). A line that is kept without `ok`
 //! (`state::job`) waits here, while other hosts are served; it is taken up again when its user answers.
 
 use crate::kinematics::Groupings;

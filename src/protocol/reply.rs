@@ -1,6 +1,6 @@
 //! Replies: every text of the protocol, and the output ring.
 //!
-//! A line goes into the ring whole or not at all, and so do the lines of one resend request: an `ok` with a temperature
+//! A line goes into the ring whole or not at all, and so do the lines of one resend request. An `ok` with a temperature
 //! report in the middle has ended prints (OctoPrint issue 4671). A byte that is not UTF-8 ends printcore's reading
 //! thread, so only text is sent. The firmware's own is printable ASCII.
 //!

@@ -68,7 +68,7 @@ impl Belt {
     /// The settings of the CoreH-bot.
     ///
     /// A rotor that gets power swings with the tool at 58 Hz and a damping of 4 % or more (docs/research/twin.md, modes
-    /// with rotors): the swing falls to a quarter within 100 ms. The limits are a fifth of the motors' own, because
+    /// with rotors). The swing falls to a quarter within 100 ms. The limits are a fifth of the motors' own, because
     /// there is no hurry. 10 mm are beyond the reach of a hot nozzle's heat and drips.
     pub(super) const fn prototype() -> Self {
         Self {

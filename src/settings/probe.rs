@@ -143,8 +143,8 @@ pub(super) mod switches {
     rows! {
         for is_on in parts, named &["probe.z_home", "probe.bed_heater_off"];
 
-        /// z_home: whether G28 homes z by the probe instead of a switch. bed_heater_off: whether the bed's heater is
-        /// off while a touch is awaited, because its current is noise for some probes.
+        /// Whether G28 homes z by the probe instead of a switch (z_home). Whether the bed's heater is off while a touch
+        /// is awaited (bed_heater_off): its current is noise for some probes.
         120 "" = *is_on, "", [Spec::SWITCH];
     }
 }

@@ -11,7 +11,7 @@
 //! element are as wide as its widest: numbers with their low bytes first, in two's complement if their type has a sign,
 //! and texts with zeros behind them.
 //!
-//! So firmware that knows more settings reads records of firmware that knows fewer, and the reverse: a missing setting
+//! So firmware that knows more settings reads records of firmware that knows fewer, and the reverse. A missing setting
 //! has its default, and an unknown one is kept for firmware that knows it.
 
 use crate::settings::Settings;

@@ -6,8 +6,8 @@
 //! (-t + 2 t^2 - t^3) / 2,   (2 - 5 t^2 + 3 t^3) / 2,   (t + 4 t^2 - 3 t^3) / 2,   (-t^2 + t^3) / 2
 //! ```
 //!
-//! Bounds come from the same surface in Bezier's form: there a surface lies between the least and the greatest of its
-//! control points, and so do its derivatives between the differences of these (G. Farin, "Curves and Surfaces for
+//! Bounds come from the same surface in Bezier's form. There a surface lies between the least and the greatest of its
+//! control points. Its derivatives lie between the differences of control points (G. Farin, "Curves and Surfaces for
 //! CAGD", 1988, 4.3 and 15).
 
 /// Height of a surface with its first and second derivatives.

@@ -9,8 +9,8 @@ pub const MOST_POINTS: usize = 9;
 /// down.
 pub const UNITS_PER_MM: i32 = 2000;
 
-/// A surface is as far from the mean as this many largest distances of a point, at most: the sizes of the weights of
-/// heights add up to 1.25 along each axis, in the middle of a cell.
+/// A surface's distance from the mean is at most this factor times the largest distance of a point. In the middle of a
+/// cell the sizes of the weights of heights add up to 1.25 along each axis.
 pub const OVERSHOOT: f32 = 1.25 * 1.25;
 
 /// Heights in units, at points in columns and rows.

@@ -141,7 +141,7 @@ quantity! {
 
 quantity! {
     /// The commanded speed of a move in mm/s; resolution 1 um/s, range 4 m/s. A slow feed has few of these bits, and
-    /// all the time of the move: 0.6 mm/min is off by 0.002 %, and would be by 0.05 % with the bits of [`MmPerSec`].
+    /// all the time of the move. An error of 0.002 % at 0.6 mm/min would be 0.05 % with the bits of [`MmPerSec`].
     Feed(U12F20, u32)
 }
 

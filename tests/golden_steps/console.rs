@@ -1,4 +1,4 @@
-//! The Console's end of the motion, with all its calls at moments that dice choose: it queues moves, dwells and taps,
+//! The Console's end of the motion, with all its calls at moments that dice choose. It queues moves, dwells and taps,
 //! reads the remaining and made steps, brakes, aborts, and circulates the belt. An endstop is pressed in some moves,
 //! and interrupts are late.
 

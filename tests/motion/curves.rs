@@ -270,7 +270,7 @@ fn every_curve_keeps_to_the_acceleration() {
 }
 
 /// Bends of a tenth of a millimetre between two straight lines, in nine and in 24 chords, and a wave in chords of 0.02
-/// mm: the corners of each are harmless by themselves.
+/// mm. The corners of each are harmless by themselves.
 #[test]
 fn small_bends_in_fine_chords_are_no_straight_lines() {
     let s = Settings::prototype();

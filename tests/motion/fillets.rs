@@ -98,8 +98,8 @@ fn gcode(targets: &Targets) -> String {
     text + "M400\n"
 }
 
-/// Reproducer: R 0.2 to 2 mm in 4 to 12 chords took up to 7 % longer, because the first corner of the bend was taken so
-/// fast that the next ones had to be slow.
+/// Reproducer: R 0.2 to 2 mm in 4 to 12 chords took up to 7 % longer. The first corner of the bend was taken so fast
+/// that the next ones had to be slow.
 #[test]
 fn rounded_corners_take_no_longer_than_with_klipper() {
     let s = machine();
@@ -185,8 +185,8 @@ fn contour_at(course: &[Knot], targets: &Targets, frequency: f64) -> [f64; 2] {
 
 /// A rounded corner at one speed shakes the tool less than one that is entered fast and left slowly. Klipper's plan of
 /// the same path is the rival again: it has one speed in the bend. With exact points the two agree. Rounded to a
-/// thousandth, chords of 0.026 mm (R 0.2 mm in 12) differ by up to 5 % in length; Klipper's speed is that of the
-/// shorter chord at a corner, and the speed here that of both.
+/// thousandth, chords of 0.026 mm (R 0.2 mm in 12) differ by up to 5 % in length. At a corner Klipper's speed follows
+/// the shorter chord, and the speed here follows both.
 #[test]
 fn a_tool_on_springs_follows_rounded_corners_as_closely_as_with_klipper() {
     let s = machine();
@@ -218,8 +218,8 @@ fn a_tool_on_springs_follows_rounded_corners_as_closely_as_with_klipper() {
     }
 }
 
-/// The law that `curves` holds to, where the rule is a square corner: within 4 ms the velocity changes by no more than
-/// 1.3 times what the acceleration allows, and a corner's jump.
+/// The law of `curves`, where the rule is a square corner. Within 4 ms the velocity changes by no more than 1.3 times
+/// the change that the acceleration allows, and a corner's jump.
 #[test]
 fn rounded_corners_keep_to_the_acceleration() {
     let s = machine();

@@ -99,7 +99,8 @@ fn a_straight_line_is_as_fast_in_fine_chords_as_in_one() {
     }
 }
 
-/// 200 mm at 300 mm/s and 3000 mm/s2: 0.77 s, with points that are up to half a thousandth off along each axis.
+/// The line is 200 mm at 300 mm/s and 3000 mm/s2: 0.77 s, with points that are up to half a thousandth off along each
+/// axis.
 #[test]
 fn rounded_coordinates_are_no_corners() {
     let s = Settings::prototype();

@@ -54,8 +54,8 @@ impl Motion {
     }
 }
 
-/// The period of an axis at a position in steps, as a part of the one in its middle: belts on both sides, and the
-/// motors behind them, as springs in a row.
+/// The period of an axis at a position in steps, as a part of the period in its middle. Belts on both sides, and the
+/// motors behind them, are springs in a row.
 fn period(shaper: &Shaper, length: f64, at: f64) -> f64 {
     let (span, motor): (f64, f64) = (shaper.span.to_num(), shaper.motor_frequency.to_num());
     if span == 0.0 {

@@ -191,7 +191,7 @@ fn plan_on(mesh: &Mesh, targets: &[([f64; 4], f64)], s: &Settings) -> Vec<Move> 
 type Phase = (f64, f64, Option<(f64, bool)>);
 
 /// The phases of a move: their time in s, the fraction of the path at their end, and the shares of the times at their
-/// slower speed; `None` at constant speed, and whether they slow down.
+/// slower speed (`None` at constant speed). The last part is whether they slow down.
 fn phases(m: &Move) -> [Phase; 3] {
     let part = |fraction: u32| f64::from(fraction) / f64::from(WHOLE);
     let time = |time: SubTicks| time.0 as f64 / 65536.0 / 1e7;

@@ -1,8 +1,8 @@
 //! Description: a machine as its file has it, in the table `[twin]`: the routing of its belts, and its numbers.
 //!
-//! A file without a routing has the one that fits the rows of its motors. Rows do not tell everything: an H-bot's
-//! motors turn like a CoreXY's, two drivers in series may turn the four motors of a CoreH-bot, and a bed that moves in
-//! y turns its motor as a bar does.
+//! A file without a routing has the one that fits the rows of its motors. Rows do not tell everything. An H-bot's
+//! motors turn like a CoreXY's. Two drivers in series may turn the four motors of a CoreH-bot. A bed that moves in y
+//! turns its motor as a bar does.
 
 use crate::params::{Params, Parts, ROWS};
 use crate::routing::own::Row;

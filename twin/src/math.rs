@@ -11,7 +11,7 @@
 pub use libm::{acos, asin, atan2, cos, exp, log as ln, log10, pow as powf, sin, sincos as sin_cos, tanh};
 
 /// The length of a vector of two. For lengths, forces and speeds of machines: their squares neither overflow nor
-/// vanish, so the guards of a general hypotenuse are left out, which take three times as long.
+/// vanish. So the guards of a general hypotenuse, which take three times as long, are left out.
 #[must_use]
 pub fn hypot(x: f64, y: f64) -> f64 {
     (x * x + y * y).sqrt()

@@ -108,8 +108,8 @@ fn five_kinds_of_measurements_tell_all_numbers() {
     assert!(uncertainty(Parameter::BeltStiffness) < 0.02);
 }
 
-/// Tension goes with the square of the pitch and with the belt's mass, which all parts that are plucked share: more of
-/// them make the pitch better known and leave the mass as it is.
+/// Tension goes with the square of the pitch and with the belt's mass, which all plucked parts share. More plucked
+/// parts make the pitch better known and leave the mass as it is.
 #[test]
 fn plucking_more_parts_does_not_weigh_the_belt() {
     let preload = |figures: &[Figure]| uncertainty(&found(figures, &[]).unwrap(), Parameter::Preload);
@@ -164,8 +164,8 @@ fn a_fit_that_is_nonsense_is_refused() {
     assert!((heavy.params.head_mass_kg / 30.0 - 1.0).abs() < 2e-3, "{heavy:?}");
 }
 
-/// A push of x, of which fields are an eighth: a torque that may be off by a factor of two leaves the belt uncertain by
-/// that eighth of it, however well the deflection is known.
+/// Fields are an eighth of a push of x. A torque that may be off by a factor of two leaves the belt uncertain by that
+/// eighth, however well the deflection is known.
 #[test]
 fn what_is_not_told_makes_the_rest_uncertain() {
     let nominal = Params::default();

@@ -198,8 +198,8 @@ fn a_dense_zigzag_is_matched_by_time() {
     }
 }
 
-/// A circle of chords on a machine that gives way by next to nothing: the tool is off the planned line by what its
-/// steps are, and the line has no share of its own. A line through the steps is off by up to a step.
+/// A circle of chords on a machine that gives way by next to nothing. The tool is off the planned line by its steps
+/// alone, and the line has no share of its own. A line through the steps is off by up to a step.
 #[test]
 fn a_planned_line_has_no_steps_in_it() {
     let place = |i: u32| {

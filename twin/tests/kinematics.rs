@@ -59,7 +59,8 @@ fn ten_millimetres_are_eight_hundred_steps_of_each_motor_and_leave_no_residual()
     }
 }
 
-/// x, y, circulation and residual are an orthogonal transform of the four motors (Hadamard's), each of the length 2.
+/// The four x, y, circulation and residual are an orthogonal transform of the four motors (Hadamard's), each of the
+/// length 2.
 #[test]
 fn tool_circulation_and_residual_are_orthogonal() {
     let ways = Ways::new(Machine::CoreHBot, &Params::default());
@@ -144,8 +145,8 @@ fn half_a_full_step_of_every_motor_takes_the_tool_a_tenth_of_a_millimetre_at_mos
     assert!(near(error, 0.099_75, 5e-6), "{error}");
 }
 
-/// x + y is (r11 th11 - r4 th4) / 2 and x - y is (r8 th8 - r1 th1) / 2. With a on motors 1 and 8 and b on 4 and 11 they
-/// are up to a e and b e, and the tool is off by ((a^2 + b^2) / 2)^(1/2) e.
+/// There x + y is (r11 th11 - r4 th4) / 2 and x - y is (r8 th8 - r1 th1) / 2. With a on motors 1 and 8 and b on 4 and
+/// 11 they are up to a e and b e, and the tool is off by ((a^2 + b^2) / 2)^(1/2) e.
 #[test]
 fn with_pulleys_of_two_sizes_the_error_is_between_those_of_each() {
     use corehbot_twin::params::Each;

@@ -25,9 +25,9 @@ fn axes_of_a_corehbot_ring_by_their_own_place_alone() {
     assert!(found.y.line.starts_with("M593 Y F"), "{}", found.y.line);
 }
 
-/// The bar on guides of 2,000 N m/rad, below both axes: 44.6 Hz with the head in the middle (docs/research/twin.md),
-/// and by inertia slower beside it, `I = m W^2 / 12 + M (x - W / 2)^2` coupled with y. A CoreXY's belts hold the bar,
-/// so it yaws faster than y rings.
+/// The bar on guides of 2,000 N m/rad, below both axes: 44.6 Hz with the head in the middle (docs/research/twin.md).
+/// Off the middle inertia makes it slower, `I = m W^2 / 12 + M (x - W / 2)^2` coupled with y. A CoreXY's belts hold the
+/// bar, so it yaws faster than y rings.
 #[test]
 fn the_yaw_of_the_bar_is_told_and_that_no_shaper_is_made_for_it() {
     let rotors = Freedom { idlers: true, rotors: true, ..Freedom::default() };
@@ -132,8 +132,8 @@ fn orders() -> Vec<Vec<usize>> {
     orders
 }
 
-/// Motors that step one after the other take the tool aside: by half a step on a CoreXY, by a quarter on a CoreH-bot
-/// whose pairs follow each other, by half in the worst order; together by nothing.
+/// Motors that step one after the other take the tool aside by half a step on a CoreXY. On a CoreH-bot it is a quarter
+/// if pairs follow each other, and half in the worst order. Motors that step together do not take it aside.
 #[test]
 fn motors_one_after_the_other_zig_zag() {
     let near = |a: f64, b: f64| (a - b).abs() < 1e-12;

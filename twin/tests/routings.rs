@@ -53,8 +53,8 @@ fn the_motors_of_a_corexyz_turn_as_in_carlyles_table() {
     assert!(tool.into_iter().zip([2.0, 2.0, 1.0]).all(|(found, expected)| near(found, expected, 1e-9)), "{tool:?}");
 }
 
-/// Free lengths of a CoreXYZ's belt in the middle: out to the motor W/2 along each axis, less e/2 and four radii at two
-/// pulleys; back by three edges and W/2 along each axis, less e/2 and ten radii at five pulleys.
+/// Free lengths of a CoreXYZ's belt in the middle. The way out to the motor is W/2 along each axis, less e/2 and four
+/// radii at two pulleys. The way back is three edges and W/2 along each axis, less e/2 and ten radii at five pulleys.
 #[test]
 fn four_belts_hold_a_corexyz_alike_in_all_directions() {
     let [out, back] = [1.5 * W - 40.0 - 4.0 * R, 4.5 * W - 40.0 - 10.0 * R];

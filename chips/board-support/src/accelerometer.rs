@@ -3,7 +3,7 @@
 //! A chip's crate carries the bytes ([`Wire`], and the transfers that a [`Reader`] asks for). All that depends on the
 //! kind of sensor is a `Row`.
 //!
-//! **Set-up.** The identity is read up to three times after a reading that does not count: many sensors answer the
+//! **Set-up.** The identity is read up to three times after a reading that does not count. Many sensors answer the
 //! first reading after power came with another number (Klipper's issue 3637, BTT's issue 156 of the Octopus). Every
 //! register that was written is read back.
 //!
@@ -91,8 +91,8 @@ struct Row {
     sample: Transfer,
     /// mm/s^2 by bit of each axis, in units of 1/4096.
     scale: [i32; 3],
-    /// By these a damaged transfer is known: bits of a number from here on all equal its sign, the bits of a mask are
-    /// zeros, and the register behind the sample has a value.
+    /// These show a damaged transfer. In a sound one, the bits of a number from here on all equal its sign, the bits of
+    /// a mask are zeros, and the register behind the sample has a value.
     sign_from: u8,
     zeros: i16,
     behind: Option<u8>,
@@ -116,7 +116,7 @@ const ADXL345: Row = Row {
 };
 
 /// CTRL1 (off), CTRL2 (addresses count up, no I2C), CTRL6 (16 g, low noise), FIFO_CTRL (empty, then continuous) and
-/// CTRL1 with rate and high performance. 4.785645 mm/s^2 a bit of 16, of which the last two are zeros.
+/// CTRL1 with rate and high performance. The scale is 4.785645 mm/s^2 a bit of 16, and the last two bits are zeros.
 const LIS2DW12: Row = Row {
     identity: [0x0F, 0x44],
     settings: [[0x20, 0x00], [0x21, 0x06], [0x25, 0x34], [0x2E, 0x00], [0x2E, 0xC0], [0x20, 0x94]],

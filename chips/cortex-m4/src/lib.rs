@@ -16,9 +16,9 @@ pub use handover::Handover;
 
 /// The last statement of every interrupt below the step interrupt: waits until its stores have arrived.
 ///
-/// A store that is still in the write buffer when an exception returns can let the processor miss the exception that is
-/// pending, or take another one (ARM erratum 838869 of the Cortex-M4). The step interrupt would come late. No emulation
-/// shows this, and embassy's own interrupt of time does not do it.
+/// A store may still be in the write buffer when an exception returns. Then the processor may miss the exception that
+/// is pending, or take another one (ARM erratum 838869 of the Cortex-M4). The step interrupt would come late. No
+/// emulation shows this, and embassy's own interrupt of time does not do it.
 #[cfg(target_os = "none")]
 #[inline(always)]
 pub fn finish_stores() {

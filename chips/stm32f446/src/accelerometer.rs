@@ -12,10 +12,10 @@
 //! Both interrupts are below the step interrupt. At 3200 samples a second they come 5200 times, so they take some 1 %
 //! of the processor. A sensor's FIFO holds 10 ms of samples, and the queue 40 ms.
 //!
-//! **Clock.** 1.4 MHz. An ADXL345 allows 5 MHz, but up to 1.6 MHz its FIFO needs no wait between two samples (datasheet
-//! rev E, FIFO: retrieving data from the FIFO), and a long cable carries it better. A sample takes 51 us. The clock's
-//! pin has the steepest edges: slow ones would lose the last bit of a byte at this bus clock (errata of the SPI:
-//! corrupted last bit of data, received in master mode with delayed SCK feedback).
+//! **Clock.** 1.4 MHz. An ADXL345 allows 5 MHz. Up to 1.6 MHz its FIFO needs no wait between two samples (datasheet rev
+//! E, FIFO: retrieving data from the FIFO), and a long cable carries the clock better. A sample takes 51 us. The
+//! clock's pin has the steepest edges. Slow edges would lose the last bit of a byte at this bus clock (errata of the
+//! SPI: corrupted last bit of data, received in master mode with delayed SCK feedback).
 
 use core::sync::atomic::{AtomicU8, Ordering, compiler_fence};
 

@@ -130,9 +130,9 @@ pub fn start(crystal: Crystal, dma_priority: Priority) {
     RCC.cr().modify(|w| w.set_csson(true));
 }
 
-/// Stops embassy's time during `work`, which may hold off interrupts for longer than a half lap of TIM2, 33 ms. embassy
-/// would count at most two of the half laps that end in that time. After an odd number of uncounted half laps, every
-/// later read just when a half lap ends would go back by 65 ms.
+/// Stops embassy's time during `work`, which may hold off interrupts for longer than a half lap of TIM2, 33 ms. Without
+/// this embassy would count at most two of the half laps that end in that time. After an odd number of uncounted half
+/// laps, every later read just when a half lap ends would go back by 65 ms.
 pub fn without_time<R>(work: impl FnOnce() -> R) -> R {
     TIM2.cr1().modify(|w| w.set_cen(false));
     let result = work();

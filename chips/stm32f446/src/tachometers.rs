@@ -4,8 +4,8 @@
 //! above everything that runs longer than 0.1 ms. So a pulse counts if it is 0.6 ms high and 0.6 ms low: up to some 800
 //! pulses a second, 24,000 turns a minute of two pulses. A look at six inputs takes some 150 cycles, 0.2 % of the time.
 //!
-//! An input of the Octopus has 10 kOhm and 100 nF (schematic), so it rises in 0.8 ms to the level that counts as high
-//! (STM32F446 datasheet, I/O static characteristics: 0.45 V_DD + 0.3 V): up to 19,000 turns a minute.
+//! An input of the Octopus has 10 kOhm and 100 nF (schematic). So it rises in 0.8 ms to the level that counts as high
+//! (STM32F446 datasheet, I/O static characteristics: 0.45 V_DD + 0.3 V). This is fast enough for 19,000 turns a minute.
 //!
 //! Lines of EXTI would count faster pulses. But a wire without a fan, next to a heater's, would then interrupt at any
 //! rate.

@@ -1,7 +1,7 @@
 //! A driver of OTG_FS, the Synopsys core (DWC2) of STM32 chips, as a device at full speed, for [`embassy_usb_driver`]:
 //! control, bulk and interrupt endpoints of up to 64 bytes a packet.
 //!
-//! Clocks, pins, session and interrupt belong to the chip; this crate reaches the core by [`Registers`] alone, so it
+//! Clocks, pins, session and interrupt belong to the chip. This crate reaches the core by [`Registers`] alone. So it
 //! runs on a chip and on the model in `chips/usb-model` alike, and has no `unsafe`.
 //!
 //! It is not `embassy-usb-synopsys-otg` 0.3.3, because that one ends a print in these cases. `tests/` has each of them.

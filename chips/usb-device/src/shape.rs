@@ -6,8 +6,8 @@ pub const PACKET: usize = 64;
 /// The least size of a transmit FIFO, in words (RM0390 rev 6, DIEPTXFx).
 const LEAST_FIFO: u16 = 16;
 
-/// Words of the receive FIFO beside a packet: 13 for SETUP packets, 1 for the global NAK, 2 for each endpoint that gets
-/// data and 1 more for each (RM0390 rev 6, section 31.11.3), for six endpoints; with two packets at once.
+/// Words of the receive FIFO beside a packet (RM0390 rev 6, section 31.11.3), for six endpoints and two packets at
+/// once. It has 13 for SETUP packets, 1 for the global NAK, 2 for each endpoint that gets data and 1 more for each.
 const RECEIVE: u16 = 13 + 1 + 3 * 6 + 2 * (PACKET as u16 / 4 + 1);
 
 /// The properties of the core of a chip.

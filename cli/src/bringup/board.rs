@@ -7,8 +7,8 @@ use corehbot_machine_file::printable;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Seconds of silence after which the board counts as absent, unless the owner states others: it says `busy` every 2 s,
-/// and is silent for half a second while it stores settings in flash. A restarted board has greeted by then, and a
+/// Seconds of silence after which the board counts as absent, unless the owner states others. A board says `busy` every
+/// 2 s, and is silent for half a second while it stores settings in flash. A restarted board has greeted by then, and a
 /// computer has found its USB port again.
 pub(super) const SILENCE: u8 = 8;
 

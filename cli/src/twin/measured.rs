@@ -394,8 +394,8 @@ impl Reader<'_> {
     }
 }
 
-/// Frequency and damping of the strongest mode of each axis in the answer of `corehbot resonance`, which was recorded
-/// at this place: of the recording with this name, or of an axis' only one.
+/// Frequency and damping of the strongest mode of each axis in the answer of `corehbot resonance`. The recording was
+/// made at this place. It is the recording with this name, or the only one of an axis.
 fn recorded(text: &str, at: Place, wanted: Option<&str>) -> Result<Vec<(String, Measurement)>> {
     let json: Value = serde_json::from_str(text).context("it is not the --json of `corehbot resonance`")?;
     let list = |value: &Value| value.as_array().cloned().unwrap_or_default();

@@ -1,4 +1,5 @@
-//! `corehbot-lab flow`: how well the flow of the nozzle follows the tool, by shaper and by the window of the pressure advance.
+//! `corehbot-lab flow`: how well the flow of the nozzle follows the tool, by shaper and by the window of the pressure
+//! advance.
 //!
 //! ```text
 //! file --firmware, no shaper, no advance--> path and filament --taps of the shaper--> flow that is wanted

@@ -1,10 +1,9 @@
 //! Frame: the torque of all motors together, which the frame bears (\[H\], after equation 38), for a lasting 1 m/s2.
 //!
 //! A rigid belt gives the tool the work of the motors: the sum of tau_i dtheta_i is F . dp. On an H-bot and a CoreXY
-//! both motors turn by dx / r for dx, and by dy / r in opposite directions for dy. So their sum is r F_x: 2 r dT with
-//! F = 2 dT of an H-bot, 4 r dT with F = 4 dT of a CoreXY, as the paper has it. On a closed belt the sum is that of
-//! r (T_out - T_in) over all motors, in which each tension stands once with each sign: 0 for every force, and not 4 r
-//! dT.
+//! both motors turn by dx / r for dx, and by dy / r in opposite directions for dy. So their sum is r F_x: 2 r dT with F
+//! = 2 dT of an H-bot, 4 r dT with F = 4 dT of a CoreXY, as the paper has it. On a closed belt the sum is r (T_out -
+//! T_in) over all motors. Each tension stands in it once with each sign. So it is 0 for every force, and not 4 r dT.
 //!
 //! Rotors need a torque of their own, which belts do not pass on.
 

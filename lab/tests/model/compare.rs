@@ -39,9 +39,9 @@ fn the_corehbot_is_stiffest_and_most_even() {
     assert!(yaw[0].abs() < 1e-6 && yaw[1].abs() < 1e-3 && agree(yaw[2], 7640.0, 2e-3), "{yaw:?}");
 }
 
-/// At x = 60 of 470 mm the head (0.6 kg) yaws a bar on guides of 2,000 N m/rad by m a (W/2 - x)^2 / k, and no belt of a
-/// CoreH-bot helps or hinders; along x nothing yaws it. On an H-bot half of the force along x acts on W - 4r + d of
-/// lever.
+/// At x = 60 of 470 mm the head (0.6 kg) yaws a bar on guides of 2,000 N m/rad by m a (W/2 - x)^2 / k. No belt of a
+/// CoreH-bot helps or hinders. Along x nothing yaws the bar. On an H-bot half of the force along x acts on W - 4r + d
+/// of lever.
 #[test]
 fn racking_is_what_inertia_does_to_the_bar() {
     let guides = Compare::new(&Params::default(), Freedom::default(), Some(AREA), [3, 3], 5.0).unwrap();

@@ -155,9 +155,9 @@ fn three_belts_rack_and_a_fourth_balances_them() {
 }
 
 /// With both sides of a belt of different stiffness, a thrust changes its mean tension. Three motors share a force F
-/// along x as 0, F/2, -F/2 (A, B, C), along y as F/2, -F/2, 0, along z as F/2, 0, F/2. With W/2 (ko - kb) / (ko + kb)
-/// as the lever of each, the patterns of racking (1, -1, 1) and of tilts about x (1, -1, -1) and y (1, 1, -1) add them
-/// up. Four motors share F evenly by the signs of its axis, which are orthogonal to those of racking.
+/// along x as 0, F/2, -F/2 (A, B, C), along y as F/2, -F/2, 0, along z as F/2, 0, F/2. The lever of each is W/2 (ko -
+/// kb) / (ko + kb). The patterns of racking (1, -1, 1) and of tilts about x (1, -1, -1) and y (1, 1, -1) add them up.
+/// Four motors share F evenly by the signs of its axis, which are orthogonal to those of racking.
 #[test]
 fn motion_racks_with_three_motors_alone() {
     let stiff =

@@ -34,7 +34,7 @@ fn soft(frame_damping_ratio: f64) -> Params {
     Params { frame_stiffness_n_per_mm, frame_damping_ratio, ..Params::default() }
 }
 
-/// Tool (mass m, place X) on a belt k on the rest (mass M, place f) on the ground k_f: m X'' = -k (X - f) and
+/// The tool (mass m, place X) is on a belt k on the rest (mass M, place f) on the ground k_f. So m X'' = -k (X - f) and
 /// M f'' = k (X - f) - k_f f. Of each mode its angular frequency and its part of X - f after a blow on X.
 fn two_masses(axis: usize) -> [(f64, f64); 2] {
     let (k, ground) = (STIFFNESS[axis] * 1000.0, GROUND[axis] * 1000.0);

@@ -68,8 +68,8 @@ fn torques_are_those_of_equations_26_and_27() {
 
 /// Bar and head together feel the segments to the frame alone, which run along y: offsets in y make no torque on the
 /// bar's guides, though equation 26 has it. Pulley 12 to the right by d: the line to pulley 11 slants by d / L, L = D -
-/// y - 2r, through the same place on pulley 11, D - y above the tool. So its moment about the tool changes by T d (D -
-/// y) / L where the paper has T d.
+/// y - 2r. It goes through the same place on pulley 11, D - y above the tool. So its moment about the tool changes by T
+/// d (D - y) / L where the paper has T d.
 #[test]
 fn real_lines_agree_with_the_paper_but_for_their_slant() {
     for pulley in [2, 3, 5, 7, 9, 10, 12, 14] {

@@ -8,7 +8,7 @@
 //!
 //! The share s of the damping acts between motor and tool, as in a belt. The rest acts between tool and frame, as the
 //! friction of a guide does. Only magnitudes count: the phase depends on when the sensor's clock sampled. A peak of the
-//! density alone would be at the nearest of its frequencies, and its width is the width of the window: a half width
+//! density alone would be at the nearest of its frequencies, and its width is the width of the window. A half width
 //! gives half of the damping or twice of it.
 //!
 //! | file | job |

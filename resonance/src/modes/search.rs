@@ -35,9 +35,9 @@ fn first_share(data: &Data) -> f64 {
 /// A mode with less than this part of the strongest one's peak is left out: it is a bend of the curve.
 const LEAST_PEAK: f64 = 0.03;
 
-/// Places to each side over which a response is averaged before its peaks are looked for, and the height of a peak over
-/// the valleys on both sides, in logarithms of a power: 1 dB.
+/// Places to each side over which a response is averaged before its peaks are looked for.
 const AVERAGED: usize = 1;
+/// Height of a peak over the valleys on both sides, in logarithms of a power: 1 dB.
 const CLEAR: f64 = 0.23;
 
 /// A response that rises by more rings at the end of the sweep, or beyond it: 3 dB.

@@ -4,9 +4,8 @@
 //! and took each mesh from them. The rules here say the same in our words; the plugin is not part of the project. They
 //! hold from the plugin's command to the first line with `ok` in it:
 //!
-//! - A row is a line of nothing but numbers: whole ones, each followed by a space, and decimal ones with a sign
-//!   or without, with at most a space before and any spaces after. Points, bars, brackets and `nan` may
-//!   stand between them.
+//! - A row is a line of nothing but numbers. A whole number is followed by a space. A decimal number may have a sign,
+//!   at most a space before it, and any spaces after it. Points, bars, brackets and `nan` may stand between them.
 //! - A line that begins with `Bed`, `Llit` or `G33` counts as a row, too, whatever follows.
 //! - The row's heights are its decimal numbers. A whole number is its index, and is not counted.
 //! - Two places in brackets, `(x, y)`, in a line give the mesh another box, so no line may have them.

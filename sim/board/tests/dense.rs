@@ -1,4 +1,4 @@
-//! Moves so short that the queues hold little time: the look-ahead must not be given up for that.
+//! Moves are so short that the queues hold little time. The look-ahead must not be given up for that.
 
 use corehbot::motors::{MotorSet, prototype};
 use corehbot::settings::Settings;
@@ -6,7 +6,8 @@ use corehbot::units::Mm;
 use corehbot_sim::host::FileHost;
 use corehbot_sim::world::{Sink, run};
 
-/// 200 mm in chords of 0.05 mm: 300 mm/s, from 3 m/s2 to rest at both ends, with the given number of decimals.
+/// The way is 200 mm in chords of 0.05 mm at 300 mm/s, from 3 m/s2 to rest at both ends, with the given number of
+/// decimals.
 fn in_chords(decimals: usize, toward: [f64; 2]) -> String {
     let point = |i: u32| {
         let [x, y] = toward.map(|v| 100.0 + v * f64::from(i) / 4000.0);

@@ -1,4 +1,4 @@
-//! Heaters without a reading, or with one that cannot be right: each command that needs a reading waits for the first
+//! Heaters without a reading, or with one that cannot be right. Each command that needs a reading waits for the first
 //! one, a wait ends, and a refusal stops nothing but the heat.
 
 use crate::common::deaf::Deaf;

@@ -1,5 +1,5 @@
-//! Start blocks as slicers write them for four kinds of printers: the first layer follows the bed, in the first print
-//! and in the next one, after a cancelled measurement, and after a restart with the kept mesh.
+//! Start blocks as slicers write them for four kinds of printers. The first layer follows the bed in the first print
+//! and in the next one. It does so after a cancelled measurement, and after a restart with the kept mesh.
 
 use crate::common::heated::heated;
 use crate::common::life::Life;

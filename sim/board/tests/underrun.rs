@@ -87,7 +87,8 @@ fn send(settings: &Settings, lines: &[String], pace: impl Fn(usize) -> u64, sink
     Print { outcome: world.outcome(), heard: heard.lines().map(str::to_owned).collect(), rests }
 }
 
-/// 380 mm along x in moves of `length` mm at 100 mm/s, with 0.05 mm of filament a mm: a step of e for four of x.
+/// The way is 380 mm along x in moves of `length` mm at 100 mm/s, with 0.05 mm of filament a mm: a step of e for four
+/// of x.
 fn lines(length: f64) -> Vec<String> {
     let mut lines = vec!["M83".to_owned(), "G1 F6000".to_owned()];
     for i in 0..(380.0 / length) as usize {

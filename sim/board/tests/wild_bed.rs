@@ -1,5 +1,5 @@
-//! Whatever a host says about the bed and however its probe breaks: the nozzle never goes below the floor of a touch,
-//! every line is answered once, heaters are off after an end, and positions are exact.
+//! A host says anything about the bed, and its probe breaks in any way. The nozzle never goes below the floor of a
+//! touch, every line is answered once, heaters are off after an end, and positions are exact.
 
 use crate::common::wild_bed as body;
 use body::bed_gcode;

@@ -54,7 +54,7 @@ const SURE: i64 = 102;
 /// The proof's apex may be this far from the first one besides chance, in 256ths of a step: its bound, and half a step.
 const AGREES: i64 = 128 + SURE + 128;
 
-/// stealthChop tunes itself at rest for more than 130 ms (section 6.2.1).
+/// A driver in stealthChop tunes itself at rest for more than 130 ms (section 6.2.1).
 const TUNING_MS: u32 = 200;
 
 /// Why work on the belt ended early.

@@ -7,9 +7,9 @@
 //!
 //! The Console calls `carry_out` for a line and sends the returned answer, then the `ok`. A command is a function of
 //! its inputs. A file that only decides gets the settings that it changes. A command that waits, or uses more of the
-//! main loop than settings, gets `&mut MainLoop` with its owners, which keeps running during the wait, and the one to
-//! three [`states`] that it names. Where several functions need the same four, they are methods of a struct that
-//! borrows them ([`moves::Moves`]).
+//! main loop than settings, gets `&mut MainLoop` with its owners. The main loop keeps running during the wait. The
+//! command also gets the one to three [`states`] that it names. Where several functions need the same four, they are
+//! methods of a struct that borrows them ([`moves::Moves`]).
 //!
 //! [`table`] has commands with an effect at once, each with all of it in one file. The others:
 //!

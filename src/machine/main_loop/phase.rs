@@ -30,11 +30,11 @@ use crate::settings::{Belt, PHASES, Settings};
 /// Places of a full step.
 const FULL_STEP: i32 = TURN / 4;
 
-/// Tolerance of the belt's strain, in thousandths of a step: half a step that no trim can remove, and the error of M915
-/// when it found the phase (half a step, and 0.4).
+/// Tolerance of the belt's strain, in thousandths of a step. It is half a step that no trim can remove, and the error
+/// of M915 when it found the phase (half a step, and 0.4).
 const WITHIN: i64 = 1400;
 
-/// The direction of a motor's place when it steps forward: the place falls while the direction line is high (Klipper,
+/// The direction of a motor's place when it steps forward. The place falls while the direction line is high (Klipper,
 /// klippy/extras/tmc.py, where a phase is `1023 - MSCNT` if the line is not inverted).
 fn way(s: &Settings, motor: Motor) -> i32 {
     if s.wiring.of(motor).is_reversed { 1 } else { -1 }

@@ -95,7 +95,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         Ok(())
     }
 
-    /// Takes power from motors, and from all that would go on pulling at the same belt; the axes that they held are no
+    /// Takes power from motors, and from all that would go on pulling at the same belt. The axes that they held are no
     /// longer homed, and a print that is under way has lost them.
     pub fn unpower(&mut self, motors: MotorSet) {
         let motors = self.settings.residuals().with_opponents(motors);

@@ -159,7 +159,7 @@ fn give_up<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, why: ProbeFa
     main_loop.job.note_end(JobEnd::ProbeFailed { why });
 }
 
-/// z of the nozzle at which the probe is to trigger, as far as the place of the bed is known.
+/// Height of the nozzle (z) at which the probe is to trigger, as far as the place of the bed is known.
 fn expected<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>) -> Option<Mm> {
     let found = main_loop.homed.found_bed().map(|z| {
         let [.., z, _] = main_loop.motion.to_mm([z; 4]);
@@ -174,7 +174,8 @@ fn height_of(probe: &Probe, z: Mm) -> Mm {
     z.saturating_add(probe.offset.z)
 }
 
-/// z of the nozzle at which it clears the bed by so much, and so does the probe; `None` if the bed may be anywhere.
+/// Height of the nozzle (z) at which it clears the bed by so much, and so does the probe. `None` if the bed may be
+/// anywhere.
 pub(in crate::machine) fn clear_of_bed<P: PortSet, W: Pend>(
     main_loop: &MainLoop<'_, P, W>,
     clearance: Mm,

@@ -2,8 +2,9 @@
 //!
 //! A rotor that skips changes no phase: it settles whole electrical turns away. A belt that jumps a tooth of a pulley
 //! is a tooth ahead of the motor, and a motor makes 50 turns (of 200 full steps) a revolution. So a tooth adds 50 turns
-//! over the teeth: two and a half with 20 teeth, which shows as a half; three and an eighth with 16; and five, which
-//! nothing shows, with 20 teeth and motors of 400 full steps. Anything else is a pulley that has slipped on its shaft.
+//! over the teeth. With 20 teeth this is two and a half, which shows as a half. With 16 it is three and an eighth. With
+//! 20 teeth and motors of 400 full steps it is five, which nothing shows. Anything else is a pulley that has slipped on
+//! its shaft.
 //!
 //! The teeth follow from steps/mm, microsteps and the pitch of the belt.
 

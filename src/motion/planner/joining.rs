@@ -46,8 +46,8 @@ use crate::settings::{Axes, Settings};
 use crate::units::{Feed, Mm, MmPerSec2, Steps, TICKS_PER_SECOND};
 use core::cmp::Ordering;
 
-/// The largest error of a point along an axis, in mm, where coordinates are rounded to thousandths: half of one at the
-/// point, and half of one at the ends of the line.
+/// The largest error of a point along an axis, in mm, where coordinates are rounded to thousandths. It is half a
+/// thousandth at the point, and half a thousandth at the ends of the line.
 const ROUNDED: f32 = 0.001;
 
 /// The same where coordinates have more digits: their rounding is at least ten times finer.
@@ -66,7 +66,7 @@ const LEAST_GROWTH: f32 = 0.0005;
 /// corners to the last bit.
 const BRAKING_PART: f32 = 1.0 / 16.0;
 
-/// So is a line that takes this long, in seconds at its feed: no more is held back than the stream may have left when
+/// So is a line that takes this long, in seconds at its feed. No more is held back than the stream may have left when
 /// it counts as dry (`QUEUE_LOW` of the release policy).
 const LONGEST_SECONDS: f32 = 0.02;
 

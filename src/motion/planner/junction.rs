@@ -23,9 +23,9 @@
 //! - **A bend has one speed.** It is over before the lead is known, too: a first corner that uses up all of the jump
 //!   makes all others slow. So between short chords the law of long ones bounds the bend from two sides. A corner is
 //!   never slower than by its own shape, `a L/2 tan(t/2)` for the shorter chord. It is no faster than the circle of
-//!   both chords, because the next corner may be alike. A corner that stays a single one loses little, because it
-//!   keeps [`SINGLE`] of its `v^2`. Between chords below [`SHORTEST`] it keeps none if it [goes on](GOES_ON) with a
-//!   turn to the same side: of 7.5 degrees on a radius of 0.3 mm a quarter is more than the circle allows.
+//!   both chords, because the next corner may be alike. A corner that stays a single one loses little, because it keeps
+//!   [`SINGLE`] of its `v^2`. Between chords below [`SHORTEST`] it keeps none if it [goes on](GOES_ON) with a turn to
+//!   the same side. A quarter of 7.5 degrees on a radius of 0.3 mm is more than the circle allows.
 //!
 //! The acceleration on that arc points along the change of direction, so the axes limit it in that direction. A corner
 //! between the bed plane and Z is as slow as Z.

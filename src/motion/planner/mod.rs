@@ -79,8 +79,8 @@ pub struct Target {
     pub watch: EndstopSet,
 }
 
-/// Moves shorter than this wait for the next target instead of being planned: 0.5 um is a twentieth of a step of the
-/// belt, and its time would be lost between two ticks.
+/// Moves shorter than this wait for the next target instead of being planned. A move of 0.5 um is a twentieth of a step
+/// of the belt, and its time would be lost between two ticks.
 const LEAST_LENGTH: Length = Length((1 << 32) / 2000);
 
 /// From this many ticks on, 27 s, the 30 bits of a length are too few for its time.

@@ -26,7 +26,7 @@ use crate::units::Seconds;
 /// Shares of the extruder's speed: the least that jumps and ramps get; ramps get no more than [`MOST_PUSH`].
 const LEAST_ROOM: f32 = 1.0 / 16.0;
 const LEAST_PUSH: f32 = 0.25;
-/// The part of its speed that a move of the extruder alone may always use: within half a window of it, ramps get their
+/// The part of its speed that a move of the extruder alone may always use. Within half a window of it, ramps get their
 /// full share, because half of the window sees them.
 const FREE: f32 = 1.0 - MOST_PUSH / 2.0;
 /// The most for such a move: the remainder is half of the least share of ramps.

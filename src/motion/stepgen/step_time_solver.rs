@@ -41,7 +41,7 @@ pub(in crate::motion) struct Endpoint {
 /// The longest run with changing speed; all lengths are powers of two.
 const LONGEST_CURVED: u8 = 32;
 
-/// Maximum error of interpolation in ticks. Fixed point adds less than a 30th: a run of 32 sums twice a value rounded
+/// Maximum error of interpolation in ticks. Fixed point adds less than a 30th. A run of 32 sums twice a value rounded
 /// to half a bit of [`FINE`], and three times a value cut to a bit of [`FINER`](super::cubic_run::FINER).
 const MOST_ERROR: f32 = 0.125;
 

@@ -3,8 +3,8 @@
 //! An input shaper splits every command into impulses that cancel each other's vibration. Sources: N. Singer, W.
 //! Seering, "Preshaping Command Inputs to Reduce System Vibration" (1990) for ZV and ZVD; W. Singhose et al., "Residual
 //! Vibration Reduction Using Vector Diagrams to Generate Shaped Inputs" (1994) and "Extra-Insensitive Input Shapers for
-//! Controlling Flexible Spacecraft" (1996) for EI and its humps, with the fits of Klipper's documentation over the
-//! damping.
+//! Controlling Flexible Spacecraft" (1996) for EI and its humps. The fits over the damping are from Klipper's
+//! documentation.
 //!
 //! The function [`taps`] below also makes the two taps of the pressure advance, from `Advance::window`. If the settings
 //! leave this window open, [`advance_window`] gives its length.
@@ -124,7 +124,7 @@ fn spread(impulses: &Impulses) -> f32 {
 /// A uniform window of length h has a standard deviation of h over this, the square root of 12.
 const EVEN: f32 = 3.464_102;
 
-/// The part of that length which suits a shaper. Where the tool turns, x and y are both between two speeds, so its path
+/// The part of that length which suits a shaper. Where the tool turns, x and y are both between two speeds. So its path
 /// is slower than the speed of the plan through the shaper, and a shorter window follows it better. A still shorter one
 /// starves the bead behind corners. Measured: `corehbot-lab flow`, docs/explanation/shaping.md#the-window.
 const FITTING: f32 = 0.78;

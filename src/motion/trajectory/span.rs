@@ -1,8 +1,9 @@
 //! Spans: pieces of the trajectory in which the tool goes straight and its speed changes evenly.
 //!
 //! All axes share the covered fraction of the distance. With x, the fraction of the span's time since its slow end, it
-//! is `g(x) = s x + (1 - s) x^2`. s is the part that the slow end's speed alone would cover. A span with falling speed
-//! is the same seen from its end, so a position is exact at both ends and most accurate where it is slowest.
+//! is `g(x) = s x + (1 - s) x^2`. The share s is the part that the slow end's speed alone would cover. A span with
+//! falling speed is the same seen from its end, so a position is exact at both ends and most accurate where it is
+//! slowest.
 
 use super::phase::{Curve, Phase};
 use crate::motion::moves::WHOLE;

@@ -1,7 +1,7 @@
 //! Plausible models for a heater of its kind and power: M306 takes them, and `corehbot config check` warns of others.
 //!
-//! The wide ranges of `settings::ranges` hold for all stored values. These are narrower: a model beyond them fits no
-//! real heater but is a typing error, and guards that believe the model would miss a fault. (The floor,
+//! The wide ranges of `settings::ranges` hold for all stored values. These are narrower. A model beyond them fits no
+//! real heater and is a typing error, and guards that believe the model would miss a fault. (The floor,
 //! `thermal::guard::Floor`, holds in any case.)
 //!
 //! [`Bounds`] has the numbers by kind.

@@ -18,7 +18,7 @@
 //!
 //! On the first 60 % of the way a reading must not fall by 10 C either while there is more than half of the power. A
 //! hotend that cools at 3 K/s when the power comes falls by 7 C in its lag. A sensor that slips falls as far in a
-//! second. A cold plate on a bed takes heat out of it too: one of 0 C with half of the bed's heat capacity takes a
+//! second. A cold plate on a bed takes heat out of it too. A plate of 0 C with half of the bed's heat capacity takes a
 //! third of its temperature, and full power needs minutes for that. So a bed may fall by 35 % of what it read. A sensor
 //! that slips into a room of 25 C falls by more from 39 C on.
 //!

@@ -1,5 +1,5 @@
-//! The converter's internal reference shows whether its supply is right, and whether its channels come in order: in the
-//! wrong slot there would be a thermistor's reading.
+//! The converter's internal reference shows whether its supply is right, and whether its channels come in order. A
+//! wrong order would put a thermistor's reading into its slot.
 
 use super::Alarm;
 use crate::fault::Cause;

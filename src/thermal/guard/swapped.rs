@@ -4,9 +4,9 @@
 //! A pair of a heater and another one's sensor is meaningful in two cases:
 //!
 //! - The other heater has no power, and none of its heat is under way: only this heater can warm it.
-//! - A hotend heats from the cold at full power together with a bed or a chamber, in any state. They are slower: 1 kW
-//!   in a bed of 500 J/K, which is too light for a plate, makes 2 K/s after its mat's lag, and 25 W in a hotend of 34
-//!   J/K makes 0.7. The hotend's own sensor has risen by a quarter of it in any case.
+//! - A hotend heats from the cold at full power together with a bed or a chamber, in any state. They are slower. 1 kW
+//!   in a bed of 500 J/K, which is too light for a plate, makes 2 K/s after its mat's lag. And 25 W in a hotend of 34
+//!   J/K make 0.7 K/s. The hotend's own sensor has risen by a quarter of it in any case.
 
 use super::{Alarm, Episode, periods};
 use crate::fault::Cause;

@@ -5,7 +5,8 @@
 //! [`least_squares`](crate::solve::least_squares), which has the symbols.
 //!
 //! At the end `(J^T J / s^2 + W)^-1` is the covariance (Tarantola, Inverse Problem Theory, chapter on least squares).
-//! s is 1, or larger where the differences are larger than the measurements' uncertainties explain (Birge's ratio).
+//! The scale s is 1, or larger where the differences are larger than the measurements' uncertainties explain (Birge's
+//! ratio).
 //!
 //! A stiffer guide lifts the bar's yaw through the axes' modes, so there may be several minima. The search begins at
 //! several stiffnesses of the yaw.
@@ -20,8 +21,8 @@ use crate::solve::NotHeld;
 use crate::solve::least_squares::{NoMinimum, PROBE, Point, Problem, nearest_minimum};
 use nalgebra::{DMatrix, DVector};
 
-/// A figure does not depend on a number if doubling it changes the figure by less than this part (or this much of a
-/// figure with a sign): rounding changes it as much.
+/// A figure does not depend on a number if doubling the number changes the figure by less than this part (or this much
+/// of a figure with a sign). Rounding changes it as much.
 const NO_MATTER: f64 = 1e-6;
 
 /// The search also begins at so many times the nominal stiffness of the yaw.

@@ -120,8 +120,8 @@ impl Live {
 mod tests {
     use super::*;
 
-    /// By hand: half a turn at 40 N with a friction of 0.3 is 80 N times tanh(0.3 pi / 2), and the ratio of 40 N more
-    /// and less by half of it is exp(0.3 pi).
+    /// By hand: half a turn at 40 N with a friction of 0.3 is 80 N times tanh(0.3 pi / 2). The ratio of 40 N more and
+    /// less by half of it is exp(0.3 pi).
     #[test]
     fn a_belt_slides_over_a_seized_idler_by_the_law_of_the_capstan() {
         let params = Params::default();

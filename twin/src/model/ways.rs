@@ -61,7 +61,7 @@ impl Ways {
         [solved[0], solved[1], solved[2]]
     }
 
-    /// The paper's bound of the tool's error for an angular error of every motor (equations 22 to 25), in mm: the
+    /// The paper's bound of the tool's error for an angular error of every motor (equations 22 to 25), in mm. It is the
     /// largest over all errors that a rigid belt allows, each motor with its own radius.
     ///
     /// It is at a corner of what is allowed: all motors are off by as much as they can be, but as many as there are

@@ -6,8 +6,8 @@
 //!
 //! The bar also yaws on its guides, on a CoreH-bot at a lower frequency than both axes. No shaper is made for it. Only
 //! moves along y excite it, the more the further the head is from the middle. The answer has its frequency, and the
-//! part that the shaper of y leaves. A soft frame has a mode in x and one in y, each with its part of the tool's
-//! ringing after a jump of speed and the part that the axis' shaper leaves.
+//! part that the shaper of y leaves. A soft frame has a mode in x and one in y. Each has its part of the tool's ringing
+//! after a jump of speed, and the part that the axis' shaper leaves.
 //!
 //! Where belts lift the tool, the maps are at half its height. Bands have its lowest and highest places too.
 
@@ -218,7 +218,7 @@ impl Seen<'_> {
 }
 
 impl Resonance {
-    /// The same with shapers ranked by the error of the tool on walls that are printed so: on each axis the worst of
+    /// The same with shapers ranked by the error of the tool on walls that are printed so. On each axis the worst of
     /// its middle and of both ends of its band counts. Some seconds of work.
     #[must_use]
     pub fn ranked_by_tool(mut self, print: &Print) -> Self {

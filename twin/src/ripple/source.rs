@@ -9,8 +9,8 @@
 //! | tooth | every tooth of a motor's pulley | a pulley that seems to turn by more or less belt |
 //! | pulley | every turn of a motor's pulley or an idler | a pulley with its circle off its axis |
 //!
-//! An eccentric circle moves with its pulley: by the segment law, the part of the belt that arrives in direction t is
-//! stretched by `t . dP`, and the part that leaves by `-t . dP`. Teeth of idlers are left out: an idler turns freely,
+//! An eccentric circle moves with its pulley. By the segment law, it stretches the part of the belt that arrives in
+//! direction t by `t . dP`, and the part that leaves by `-t . dP`. Teeth of idlers are left out: an idler turns freely,
 //! so they hardly pull.
 //!
 //! A field is sent to the electrical angle a. Phases of strengths 1 + d and 1 - d, with d small, turn it to

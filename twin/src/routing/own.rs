@@ -1,7 +1,7 @@
 //! Own: machines with a belt of its own for each motor, from the motors' rows over x, y and z.
 //!
-//! Such a belt runs along the axes of its row. From a clamp it goes along the first axis to the end, where the row's
-//! sign says which; a pulley on the part that carries this axis turns it along the next axis, and so on. At the last
+//! Such a belt runs along the axes of its row. From a clamp it goes along the first axis to an end, which the row's
+//! sign says. There a pulley on the part that carries this axis turns it along the next axis, and so on. At the last
 //! end the motor sits. Then the belt runs back along the edges of the machine to the opposite corner, and by the same
 //! ends of the other side to the other clamp. So a turn of the motor shortens one side by the tool's travel along the
 //! row and lengthens the other one.

@@ -5,8 +5,8 @@
 //! the other way. So the tool itself is off by `(s^2/2 - 1/w^2) a`, and most of the rounding cancels: of `a/w^2`, ZV
 //! leaves 0.23, MZV 0.63 and EI 1.6.
 //!
-//! The same on whole walls, with ringing and corner speed: a square of 10 mm and a hole of 8 mm are driven with
-//! trapezoids of speed, and each axis gives way by its modes,
+//! The same on whole walls, with ringing and corner speed. A square of 10 mm and a hole of 8 mm are driven with
+//! trapezoids of speed. Each axis gives way by its modes,
 //!
 //! ```text
 //! e'' + 2 z w e' + w^2 e = -y'',    tool = y + sum part e

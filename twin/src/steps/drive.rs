@@ -1,9 +1,9 @@
 //! Drive: which column of a trace turns which motor of the twin.
 //!
-//! A motor takes the steps of a column with its own row over x, y and z, or with the opposite row (a pair in series, or
-//! a motor mounted the other way up). The column's row may be a multiple: a motor with a smaller pulley makes more
-//! steps for the same belt. Each column is taken once before any is taken twice. So a trace of four drivers turns four
-//! motors, and so does one of two drivers, or of another machine with the same pairs.
+//! A motor takes the steps of a column with its own row over x, y and z, or with the opposite row. The opposite row
+//! means a pair in series, or a motor mounted the other way up. The column's row may be a multiple: a motor with a
+//! smaller pulley makes more steps for the same belt. Each column is taken once before any is taken twice. So a trace
+//! of four drivers turns four motors, and so does one of two drivers, or of another machine with the same pairs.
 //!
 //! Pulleys of different sizes (\[H\] equation 8) are in the multiples as the firmware has them, and in the machine's
 //! radii as they are. The first motor's pulley counts as the steps say, and every other one has its own share of it.

@@ -15,9 +15,9 @@
 //! k V / |Z| - k^2 w R / |Z|^2,    |Z|^2 = R^2 + (p w L)^2
 //! ```
 //!
-//! The constant k follows from the holding torque: the sines of both phases add up to one amplitude, so T = k sqrt(2)
-//! I(rms), and conservation of energy gives the same k in E. A saturated chopper gives more than V (a square wave has
-//! 4/pi of it). Losses in switches and iron are neglected. So the curve has the right shape, accurate to about 20 %.
+//! The constant k follows from the holding torque. The sines of both phases add up to one amplitude, so T = k sqrt(2)
+//! I(rms). Conservation of energy gives the same k in E. A saturated chopper gives more than V (a square wave has 4/pi
+//! of it). Losses in switches and iron are neglected. So the curve has the right shape, accurate to about 20 %.
 
 use crate::math::hypot;
 use crate::params::Params;

@@ -28,8 +28,8 @@ fn the_search_converges_far_from_the_start() {
     }
 }
 
-/// With equal tensions nothing depends on the stiffness of the yaw, at the start; with the plucked ones the skew does.
-/// 60 and 40 N of a CoreXY: 9.4 N m turn guides of 3,000 N m/rad by 3.13 mrad.
+/// With equal tensions nothing depends on the stiffness of the yaw, at the start. With the plucked tensions the skew
+/// depends on it. Tensions of 60 and 40 N of a CoreXY: 9.4 N m turn guides of 3,000 N m/rad by 3.13 mrad.
 #[test]
 fn a_number_that_matters_only_away_from_the_start_is_found() {
     let sign = {

@@ -1,7 +1,7 @@
 //! The bytes of an image by room, each against its budget, and the largest functions.
 //!
 //! A room is a folder of sources. An instruction belongs to the innermost function of the project that it was inlined
-//! from, so a closure counts where it is written and an iterator of the library counts for its caller. Constants have
+//! from. So a closure counts where it is written, and an iterator of the library counts for its caller. Constants have
 //! no author: texts and tables are one room.
 
 use super::Elf;

@@ -1,6 +1,6 @@
-//! `cargo xtask dist`: a release as one archive: the command for this computer, its manual
-//! pages and what shells complete, the images of all boards, examples,
-//! documents, licences, and a checksum of each file. Its users need no compiler.
+//! `cargo xtask dist`: a release as one archive. It has the command for this computer with manual pages and completions
+//! for shells, and the images of all boards. It also has examples, documents, licences, and a checksum of each file.
+//! Its users need no compiler.
 //!
 //! The same commit gives the same bytes, whatever the folder and the day. Files are in order and have the commit's
 //! time, and no binary contains a path of this computer. `--twice` shows it.

@@ -98,8 +98,8 @@ struct Outcome {
     unviable: usize,
 }
 
-/// Tries the mutants of a room: first with the tests that take a second, then, for those that these miss, with all
-/// tests that check the room.
+/// Tries the mutants of a room, first with the tests that take a second. Mutants that these miss are then tried with
+/// all tests that check the room.
 fn try_room(room: &Room, args: &Args) -> Result<Outcome> {
     let folder = target_dir()?.join("mutants").join(room.name);
     let unit_folder = folder.join("unit");

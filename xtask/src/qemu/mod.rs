@@ -1,6 +1,6 @@
 //! `cargo xtask qemu`: a print on the firmware in QEMU.
 //!
-//! The emulator runs in a folder of its own with the job in it, gets the G-code over its serial line as a printer
+//! The emulator runs in a folder of its own with the job in it. It gets the G-code over its serial line as a printer
 //! would, and leaves the step events in a file. With `--serve`, any host can use the line.
 
 #[cfg(unix)]

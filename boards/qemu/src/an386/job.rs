@@ -1,8 +1,8 @@
 //! The job of this run, from the emulator's command line.
 //!
-//! `arg=IMAGE,arg=SETTINGS,arg=TRACE`: paths on the host without blanks. SETTINGS holds the machine, the
-//! position to be assumed at start and the mesh that z follows, `(Settings, Option<[Mm; 3]>, Option<Mesh>)` in postcard
-//! with a mesh as heights and corners; TRACE takes the step events.
+//! `arg=IMAGE,arg=SETTINGS,arg=TRACE`: paths on the host without blanks. SETTINGS holds the machine, the position to be
+//! assumed at start and the mesh that z follows. It is `(Settings, Option<[Mm; 3]>, Option<Mesh>)` in postcard, with a
+//! mesh as heights and corners. TRACE takes the step events.
 
 use core::ffi::CStr;
 

@@ -1,9 +1,9 @@
 //! Observer: says of every move what keeps it from being faster. It sees moves as they were made and the rules in
 //! force, nothing of the planner.
 //!
-//! 1. A move with a cruise, or a top at the least of its bounds, is limited by that bound: its commanded speed, or the
-//!    firmware's own if the line commands none, an axis, a motor or the extruder. If none of them fits, the mesh or
-//!    pressure advance has taken the rest, or the share of the feed that a slow host gets.
+//! 1. A move with a cruise, or a top at the least of its bounds, is limited by that bound. The bound is its commanded
+//!    speed, the firmware's own speed if the line commands none, an axis, a motor or the extruder. If none of them
+//!    fits, the mesh or pressure advance has taken the rest, or the share of the feed that a slow host gets.
 //! 2. Any other move only ramps, or cruises over just the minimum cruise ratio, at the speed where ramps over the rest
 //!    of the length meet. If its acceleration is less than M204 says, the reason for that is its limit.
 //! 3. Else a cruise is the ratio's work.

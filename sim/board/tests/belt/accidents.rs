@@ -4,8 +4,8 @@ use crate::belt::printer::print;
 use corehbot_sim::belt::accident::Accidents;
 use corehbot_sim::belt::figures::BeltFigures;
 
-/// dx, dy and residual of a skip of one electrical turn in the middle, in mm: motors 1, 4, 8 and 11, from an
-/// independent computation. The residual allows for fields that give way.
+/// A skip of one electrical turn in the middle: dx, dy and residual in mm of motors 1, 4, 8 and 11, from an independent
+/// computation. The residual allows for fields that give way.
 const TABLE: [(&str, [f64; 3]); 4] = [
     ("m1", [-0.1995, 0.1995, 0.618]),
     ("m4", [-0.1995, -0.1995, -0.618]),

@@ -69,7 +69,7 @@ impl Host<'_, '_> {
     }
 }
 
-/// Whether the last steps are these, in this order, within 0.2 ms: a line that begins at rest depends on when the
+/// Whether the last steps are these, in this order, within 0.2 ms. A line that begins at rest depends on when the
 /// Console is polled, and homing rounds a place to a step.
 pub(super) fn ends_with(steps: &[(u64, u32, u32)], last: &[(u64, u32, u32)]) -> bool {
     let Some(begin) = steps.len().checked_sub(last.len()) else { return false };
