@@ -22,7 +22,9 @@ pub(in crate::machine) fn report_screws(to: &mut Speaker<'_>, answer: &ScrewAnsw
                 to.say(format_args!("Target accuracy achieved."));
             }
             to.say(format_args!("Did {rounds} of {of}"));
-            to.say(format_args!("Accuracy: {}", Thousandths(left)));
+            // Nothing has measured what the last turns did.
+            let when = if is_level { "" } else { " before the last turns" };
+            to.say(format_args!("Accuracy: {}{when}", Thousandths(left)));
         }
         ScrewAnswer::Corner { corner, higher, pitch, is_clockwise } => {
             let (name, distance) = (corner.name(), higher.saturating_abs());
