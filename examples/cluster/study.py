@@ -101,7 +101,7 @@ class Journal:
         """Keeps the line of a sample, which counts once however often it was computed."""
         number = number_of(line, self.plan)
         if number is None:
-            raise StudyError("a worker computes another study: it has other files, another version of corehbot, or is another kind of machine")
+            raise StudyError("a worker computes another study: it has other files, another version of corehbot-lab, or is another kind of machine")
         if number not in self.done:
             self.write(line)
             self.done.add(number)
