@@ -16,9 +16,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let out = env::var("OUT_DIR")?;
     std::fs::write(Path::new(&out).join("device.x"), "")?;
     println!("cargo:rustc-link-search={out}");
-    // The memory at 0 holds the vectors (ARM DAI 0386C, memory map). The sizes are the Octopus's but
-    // for two: the flash also holds the plants of bed and heaters, and the stack is deeper, because all handles are
-    // made at once here and the plants compute in doubles.
+    // The memory at 0 holds the vectors (ARM DAI 0386C, memory map). The sizes are the Octopus's but for two. The flash
+    // also holds the plants of bed and heaters. The stack is deeper, because all handles are made at once here and the
+    // plants compute in doubles.
     link::link(&[], &["--defsym=flash_start=0", "--defsym=flash_size=544K", "--defsym=stack_size=48K"]);
     Ok(())
 }

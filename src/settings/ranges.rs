@@ -74,8 +74,8 @@ pub const HOMING_ADVANCE: Range<Mm> = Range { least: Mm::ZERO, most: Mm::const_f
 /// Rate of a serial line, in baud: from a rate of every adapter to the highest that a USART at 45 MHz and its adapters
 /// can keep.
 pub const BAUD: Range<u32> = Range { least: 9600, most: 1_000_000 };
-/// Steps a second of one motor: twenty times the rate of 300 mm/s at 80 steps/mm, and half of the 1 MHz at which two
-/// pulses of a motor would touch.
+/// Steps a second of one motor. It is twenty times the rate of 300 mm/s at 80 steps/mm, and half of the 1 MHz at which
+/// two pulses of a motor would touch.
 pub const STEP_RATE: StepRate = StepRate::of_whole(500_000);
 /// Run current in mA: below 100 a NEMA 17 hardly turns itself, and 1768 is the limit of sense resistors of 110 mOhm
 /// (TMC2209 datasheet rev 1.09, section 9).
@@ -158,8 +158,8 @@ pub const KICK_MS: Range<u16> = Range { least: 0, most: 5000 };
 pub const PROBE_OFFSET: Range<Mm> = Range { least: Mm::const_from_int(-50), most: Mm::const_from_int(50) };
 /// The same in z.
 pub const PROBE_OFFSET_Z: Range<Mm> = Range { least: Mm::const_from_int(-20), most: Mm::const_from_int(20) };
-/// Speed of a touch. A clone of a BLTouch gives a pulse of 5 ms, and the probe is read at each step event: z at 400
-/// steps/mm makes one each 5 ms at 0.5 mm/s. At 20 mm/s the tool stops hard.
+/// Speed of a touch. A clone of a BLTouch gives a pulse of 5 ms, and the probe is read at each step event. At 0.5 mm/s
+/// z with 400 steps/mm makes an event each 5 ms. At 20 mm/s the tool stops hard.
 pub const PROBE_SPEED: Range<MmPerSec> = Range { least: MmPerSec::lit("0.5"), most: MmPerSec::const_from_int(20) };
 /// Touches at a place.
 pub const PROBE_SAMPLES: Range<u8> = Range { least: 1, most: 9 };

@@ -16,7 +16,7 @@
 //! nothing, and a power cut in between has nothing to spoil.
 //!
 //! A page stands a million writes (AT24C32E datasheet 8905F, 1). A position each second is 36,000 pages in a print of
-//! ten hours. Positions may also take the pages of a slot behind the record in it: a reader never looks at them, and
+//! ten hours. Positions may also take the pages of a slot behind the record in it. A reader never looks at them, and
 //! the next position replaces one that a save has overwritten. With records of 960 bytes, as of the prototype, there
 //! are 22 such pages in each slot and three reserved ones. This makes 766 writes of each page, so the memory stands
 //! 1,300 such prints. Three pages alone, next to the longest records, stand 83.

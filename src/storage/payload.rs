@@ -8,8 +8,8 @@
 //! | .. | the values of all parts of the machine that have such a setting, in their order |
 //!
 //! Without an id, an element has the id after the one of the element before it; the first has 1. All values of an
-//! element are as wide as its widest: numbers with their low bytes first, in two's complement if their type has a sign,
-//! and texts with zeros behind them.
+//! element are as wide as its widest. Numbers have their low bytes first, in two's complement if their type has a sign.
+//! Texts have zeros behind them.
 //!
 //! So firmware that knows more settings reads records of firmware that knows fewer, and the reverse. A missing setting
 //! has its default, and an unknown one is kept for firmware that knows it.

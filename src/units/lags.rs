@@ -3,9 +3,9 @@
 use super::Seconds;
 use fixed::types::I0F32;
 
-/// The part of a difference that a lag of the first order makes up for in one of `rate` periods a second; a half, if
-/// the lag is shorter than two periods. The product of such a part and a word has the word's size without a shift or a
-/// check.
+/// The part of a difference that a lag of the first order makes up for in one of `rate` periods a second. It is a half
+/// if the lag is shorter than two periods. The product of such a part and a word has the word's size without a shift or
+/// a check.
 #[must_use]
 pub const fn part_per_period(lag: Seconds, rate: u32) -> I0F32 {
     const ONE: u64 = 1 << I0F32::FRAC_NBITS;

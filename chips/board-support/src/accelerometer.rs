@@ -91,8 +91,8 @@ struct Row {
     sample: Transfer,
     /// mm/s^2 by bit of each axis, in units of 1/4096.
     scale: [i32; 3],
-    /// These show a damaged transfer. In a sound one, the bits of a number from here on all equal its sign, the bits of
-    /// a mask are zeros, and the register behind the sample has a value.
+    /// These show a damaged transfer. In a sound transfer the bits of a number from here on all equal its sign. The
+    /// bits of a mask are zeros, and the register behind the sample has a value.
     sign_from: u8,
     zeros: i16,
     behind: Option<u8>,

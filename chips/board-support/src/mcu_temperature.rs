@@ -21,7 +21,7 @@ pub struct Calibration {
 const BITS: u32 = 12;
 
 impl Calibration {
-    /// The temperature for a reading of the sensor and one of the reference, each of 12 bits; `None` if the chip has no
+    /// The temperature for a reading of the sensor and one of the reference, each of 12 bits. `None` if the chip has no
     /// calibration, or if there is no such reading.
     #[must_use]
     pub fn celsius(&self, sensor: u16, reference: u16) -> Option<Celsius> {

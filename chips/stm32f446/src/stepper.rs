@@ -20,8 +20,8 @@ pub fn give_stepper(kit: StepperKit<'static>, ports: StepPorts<StepPins, StepTim
     STEPPER.fill(kit.make(ports, IrqPend));
 }
 
-// The section of the handler below begins with a line of flash, so that the handler takes as few lines as it can
-// wherever the linker puts it (`octopus_isr_flash_lines` of `cargo xtask bench`).
+// The section of the handler below begins with a line of flash. So the handler takes as few lines as it can wherever
+// the linker puts it (`octopus_isr_flash_lines` of `cargo xtask bench`).
 core::arch::global_asm!(".pushsection .text.SysTick, \"ax\", %progbits", ".p2align 4", ".popsection");
 
 /// A step is due, or software wants the Stepper to look.

@@ -1,5 +1,5 @@
-//! A driver of OTG_FS, the Synopsys core (DWC2) of STM32 chips, as a device at full speed, for [`embassy_usb_driver`]:
-//! control, bulk and interrupt endpoints of up to 64 bytes a packet.
+//! A driver of OTG_FS, the Synopsys core (DWC2) of STM32 chips, as a device at full speed, for [`embassy_usb_driver`].
+//! It has control, bulk and interrupt endpoints of up to 64 bytes a packet.
 //!
 //! Clocks, pins, session and interrupt belong to the chip. This crate reaches the core by [`Registers`] alone. So it
 //! runs on a chip and on the model in `chips/usb-model` alike, and has no `unsafe`.

@@ -88,8 +88,8 @@ impl<S: Serial> Hosts<S> {
         self.owes_ok = false;
     }
 
-    /// The next line of a host, beginning with the one after the host served last. A command is put into `text`. A host
-    /// that has been silent in the middle of its lines for the given time in ms (0: never) is prompted if it may be
+    /// The next line of a host, beginning with the one after the host served last. A command is put into `text`.
+    /// Prompts a host that has been silent in the middle of its lines for the given time in ms (0: never), if it may be
     /// waiting during the given activity.
     pub(in crate::machine) fn next_line(
         &mut self,

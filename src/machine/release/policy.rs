@@ -9,8 +9,8 @@
 use super::feed_throttle::FeedThrottle;
 use crate::units::{Instant, TICKS_PER_MS};
 
-/// Motion begins when this much of it is final: sixteen lines of a host with a USB adapter that has its latency timer
-/// at the default of 16 ms (FTDI AN232B-04).
+/// Motion begins when this much of it is final. It is sixteen lines of a host with a USB adapter that has its latency
+/// timer at the default of 16 ms (FTDI AN232B-04).
 pub(in crate::machine) const GATHERED: u64 = 250 * TICKS_PER_MS as u64;
 
 /// Motion begins, however little is planned, when no move has been added for this long. Marlin waits as long for a

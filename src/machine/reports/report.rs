@@ -204,8 +204,8 @@ pub(in crate::machine) fn report_overload(to: &mut Speaker<'_>, overload: Overlo
     ));
 }
 
-/// M290: the sum of all shifts since z was homed (Marlin's words), and the kept offsets: the one of the probe if it
-/// homes z, the program's, and how far both together lift the nozzle.
+/// M290: the sum of all shifts since z was homed (Marlin's words), and the kept offsets. These are the probe's offset
+/// if it homes z, the program's offset, and the sum by which both lift the nozzle.
 pub(in crate::machine) fn report_z_offset(to: &mut Speaker<'_>, shifted: Mm, s: &Settings, are_stored: [bool; 2]) {
     to.say(format_args!("echo:Babystep Z{}", Hundredths::of(shifted)));
     let [news, news_of_probe] = are_stored.map(|is_stored| if is_stored { "" } else { ", not saved: M500 keeps it" });

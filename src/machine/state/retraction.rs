@@ -1,6 +1,6 @@
 //! Firmware retraction: G10 pulls the filament back and lifts the tool, G11 undoes it.
 //!
-//! The program does not see it: its commanded positions keep their meaning, and the machine stays away from them by a
+//! The program does not see it. Its commanded positions keep their meaning, and the machine stays away from them by a
 //! lift and a length of filament (as in Marlin, fwretract.cpp). M500 does not keep the values of M207 and M208.
 //!
 //! Four events end a retraction: G28, M84 of the extruder, the end of a print and the next print forget it. The

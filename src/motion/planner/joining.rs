@@ -13,10 +13,10 @@
 //! - Every point that is left out lies within a tolerance of the line along each axis, filament included. The line here
 //!   moves in proportion to the main axis.
 //!
-//! The last rule needs no points in memory. A point at `(m, k)` from the begin, with m along the main axis, restricts
-//! the slope of the line to `(k - t) / m` to `(k + t) / m`. All points together restrict it to one range for each axis,
-//! and a chord continues the line if the slope of its end lies in each range. So the tolerance holds for the whole
-//! line: bends that are small by themselves do not add up.
+//! The last rule needs no points in memory. A point is at `(m, k)` from the begin, with m along the main axis. It
+//! restricts the slope of the line to `(k - t) / m` to `(k + t) / m`. All points together restrict it to one range for
+//! each axis, and a chord continues the line if the slope of its end lies in each range. So the tolerance holds for the
+//! whole line: bends that are small by themselves do not add up.
 //!
 //! | tolerance t | where |
 //! |---|---|

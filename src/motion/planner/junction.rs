@@ -82,8 +82,8 @@ const MAKING_UP: f32 = 1.15;
 /// hardly resonate, and the time over which `corehbot run` looks at changes of velocity.
 const BEND_TIME: f32 = 0.004;
 
-/// Coordinates have three decimals: a point is half a thousandth of a millimetre off, so the slopes of two moves differ
-/// by this over the length of each though none was commanded. That is less than a step of most screws.
+/// Coordinates have three decimals, so a point is half a thousandth of a millimetre off. The slopes of two moves then
+/// differ by this over the length of each, though none was commanded. That is less than a step of most screws.
 const ROUNDING: f32 = 0.001;
 
 /// What the rule for corners gives a move.

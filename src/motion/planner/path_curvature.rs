@@ -53,8 +53,8 @@ pub(in crate::motion) struct Bend {
     pub size: f32,
     /// One over the radius, in 1/mm.
     pub curvature: f32,
-    /// The product of the turn of this corner and the turn over the last [`SHORTEST`] mm before it: more than 0 where
-    /// the path goes on turning to the same side.
+    /// The product of the turn of this corner and the turn over the last [`SHORTEST`] mm before it. It is more than 0
+    /// where the path goes on turning to the same side.
     pub same_side: f32,
 }
 

@@ -10,9 +10,9 @@
 //! ```
 //!
 //! The minima are kept in a queue, as in the sliding-window minimum. When a corner is added, all corners in the queue
-//! with an `m_k + G_k` that is no smaller leave it, because none of them can be a minimum any more. So the values in
-//! the queue rise, and the first corner in it that follows move i is the minimum for move i. Adding a move costs as
-//! much whether three or a hundred wait. Work on all moves is done a few at a time (see [`passes`](super::passes)).
+//! with an `m_k + G_k` that is no smaller leave it. None of them can be a minimum any more. So the values in the queue
+//! rise, and the first corner in it that follows move i is the minimum for move i. Adding a move costs as much whether
+//! three or a hundred wait. Work on all moves is done a few at a time (see [`passes`](super::passes)).
 //!
 //! The end of the window counts as a corner with the speed 0. A move that is added takes the end farther away and
 //! brings a corner which allows at least as much as the old end did. So a corner with another minimum than the end has

@@ -39,7 +39,7 @@ use crate::units::Celsius;
 /// A rise that counts as a gain. Klipper's `heating_gain` (verify_heater) is 2 C too.
 const GAIN: Celsius = Celsius::const_from_int(2);
 
-/// On the rest of the way only full power counts, and only this far below the target: a controller without an integral
+/// On the rest of the way only full power counts, and only this far below the target. A controller without an integral
 /// part stays below for ever, with less than full power.
 const NEAR: Celsius = Celsius::const_from_int(2);
 

@@ -28,8 +28,8 @@ const STILL: Celsius = Celsius::lit("0.02");
 /// A change of the duty that any heater's temperature follows.
 const CHANGE: u16 = u16::MAX / 5;
 
-/// So near to its target a heater is held. A good controller moves the reading by less than [`STILL`] then, and a bed
-/// may need more than half of its power (120 W at 0.85 W/K: 63 % at 99 C).
+/// So near to its target a heater is held. A good controller moves the reading by less than [`STILL`] then. A bed may
+/// need more than half of its power for that (120 W at 0.85 W/K: 63 % at 99 C).
 const HELD: Celsius = Celsius::const_from_int(1);
 
 /// The guard of a reading.

@@ -1,7 +1,7 @@
 //! The idle loop, which decides how fast virtual time passes.
 //!
 //! QEMU's virtual time counts instructions, 8 ns each, and while nothing happens it runs some 40 times as fast as the
-//! host's clock. A host program needs wall time, so it would look extremely slow from here: the motion would run dry
+//! host's clock. A host program needs wall time, so it would look extremely slow from here. The motion would run dry
 //! between two lines, and the steps would depend on the host's load. So there are two ways to idle:
 //!
 //! - The Console waits for the host by semihosting calls. Each takes the host a microsecond but only two instructions

@@ -106,7 +106,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             self.until(|c| c.motion.has_room_for_work()).await?;
             self.motion.send(Work::Stiffen(axis as u8, stiffening));
         }
-        // Found again for each axis, because a vector that waits here would have to be dropped: every future of the
+        // Found again for each axis, because a vector that waits here would have to be dropped. Every future of the
         // Console would get code that drops it, 8 KB in all.
         for axis in 0..AXES {
             self.until(|c| c.motion.has_room_for_work()).await?;
