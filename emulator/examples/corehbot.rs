@@ -1,5 +1,5 @@
 //! The `corehbot` command, for tests in which it is a host of the image. A test cannot name a program of another
-//! workspace, but it can name an example. An example is built with the tests, and not with the emulator.
+//! package, but it can name an example. An example is built with the tests, and not with the emulator.
 
 use std::process::ExitCode;
 

@@ -7,7 +7,8 @@
 //! pseudo-terminal ([`terminal`]). A stand-in for its [`bootloader`] runs before the image. The record ([`steps`],
 //! [`safety`], [`clock_rules`], [`gaps`]) is then compared with the steps of the host simulator ([`compare`]).
 //!
-//! README.md lists the limits of the emulator.
+//! README.md lists the limits of the emulator. Nothing is here without the feature `processor`.
+#![cfg(feature = "processor")]
 
 pub mod board;
 pub mod bootloader;

@@ -40,13 +40,14 @@ pub fn main(args: &Args) -> Result<()> {
         fs::write(&machine, MACHINE)?;
     }
     let image = checkout::build_image("corehbot-octopus")?;
-    let mut build = emulate::cargo(["build"], &["--release", "--ignore-rust-version", "--quiet"]);
+    let mut build = emulate::cargo(["build"], &["--quiet"]);
     build.current_dir(root());
     run(build)?;
+    let command = checkout::build_command()?;
     // Ctrl-C is for the guide, which then brings the board to rest. This program and the emulator outlive it.
     let _stop = Stop::at_signals()?;
     let port = folder.join("printer");
-    let mut board = program("corehbot-emulator");
+    let mut board = emulate::cargo(["run"], &["--quiet", "--"]);
     board.arg(&image).arg("--pty").arg(&port).arg("--machine").arg(&machine).args(["--speed", "max"]).args(&args.more);
     #[cfg(unix)]
     std::os::unix::process::CommandExt::process_group(&mut board, 0);
@@ -54,7 +55,7 @@ pub fn main(args: &Args) -> Result<()> {
     let mut said = BufReader::new(board.stdout.take().context("the emulator has no output")?);
     let mut name = String::new();
     said.read_line(&mut name)?;
-    let mut guide = program("corehbot");
+    let mut guide = Command::new(command);
     guide.arg("bringup").arg(&port).arg("--machine").arg(&machine).arg("--report").arg(folder.join("report.md"));
     // Its board is as fast as this computer can emulate it.
     guide.args(["--patience", "60"]);
@@ -71,9 +72,4 @@ pub fn main(args: &Args) -> Result<()> {
     ensure!(is_sound, "the board did what it must not do");
     ensure!(guided?.success(), "a step of the guide has not passed");
     Ok(())
-}
-
-/// A program of the emulator's folder.
-fn program(name: &str) -> Command {
-    emulate::cargo(["run"], &["--release", "--ignore-rust-version", "--quiet", "--bin", name, "--"])
 }

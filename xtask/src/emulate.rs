@@ -1,8 +1,9 @@
 //! `cargo xtask emulate` and `equal`: the image that a user flashes, on an emulated processor.
 //!
-//! The emulator is a workspace of its own, so that no firmware build waits for it; this room calls it.
+//! The emulated processor is a feature of the emulator's package, so that no other build waits for it; this room asks
+//! for it.
 
-use crate::checkout::{self, root, run};
+use crate::checkout::{self, run};
 use crate::compare::check_file;
 use anyhow::Result;
 use corehbot_host::stop::Stop;
@@ -124,7 +125,7 @@ fn print<const N: usize>(
     plant: &PlantArgs,
     more: &[String],
 ) -> Result<()> {
-    let mut command = cargo(["run"], &["--release", "--ignore-rust-version", "--"]);
+    let mut command = cargo(["run"], &["--"]);
     command.current_dir(std::env::current_dir()?).arg(checkout::build_image(board.package())?).args(file);
     command.args(["--board", board.name()]);
     for (option, path) in options {
@@ -139,10 +140,13 @@ fn print<const N: usize>(
     run(command)
 }
 
-/// Cargo for the emulator. Its `--ignore-rust-version` is for the crate rigless, which declares a newer compiler
-/// than it needs.
+/// What every build of the emulator is told. `--ignore-rust-version` is for the crate rigless, which declares a newer
+/// compiler than it needs.
+pub const WITH_PROCESSOR: [&str; 2] = ["--features=corehbot-emulator/processor", "--ignore-rust-version"];
+
+/// Cargo for the emulator's package.
 pub fn cargo<const N: usize>(task: [&str; N], options: &[&str]) -> Command {
     let mut command = checkout::cargo(task);
-    command.arg("--manifest-path").arg(root().join("emulator/Cargo.toml")).args(options);
+    command.arg("--package=corehbot-emulator").args(WITH_PROCESSOR).args(options);
     command
 }

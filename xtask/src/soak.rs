@@ -80,8 +80,8 @@ fn test(package: &str, file: &str, names: &[&str], what: &str, amount: u32) -> s
 }
 
 fn cuts(number: u32) -> Result<()> {
-    let mut cuts = emulate::cargo(["test"], &["--release", "--ignore-rust-version", "--test=machines"]);
-    cuts.args(["--", "--nocapture", "a_power_cut"]);
+    let mut cuts = emulate::cargo(["test"], &["--test=images"]);
+    cuts.args(["--", "--nocapture", "machines::a_power_cut"]);
     cuts.env("COREHBOT_ELF", build_image(emulate::Board::Octopus.package())?)
         .env("COREHBOT_SOAK_CUTS", number.to_string());
     run(cuts)

@@ -2,7 +2,7 @@
 
 use super::slowest::{self, Slowest};
 use crate::checkout::{self, cargo, run, words};
-use crate::emulate;
+use crate::emulate::{self, WITH_PROCESSOR};
 use crate::page;
 use crate::verdict::Verdict;
 use anyhow::{Context as _, Result, bail};
@@ -10,6 +10,9 @@ use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
+
+/// The package of the emulator.
+const EMULATOR: &str = "corehbot-emulator";
 
 /// Formatting.
 pub fn format() -> Result<Verdict> {
@@ -22,7 +25,9 @@ pub fn format() -> Result<Verdict> {
 
 /// Lints, for this computer.
 pub fn lint() -> Result<Verdict> {
-    run(lint_in_build(cargo(["check", "--workspace", "--all-targets"])))?;
+    let mut check = cargo(["check", "--workspace", "--all-targets"]);
+    check.args(WITH_PROCESSOR);
+    run(lint_in_build(check))?;
     run(lint_in_build(page::build_binder()?))?;
     Ok(Verdict::Passed(String::new()))
 }
@@ -35,7 +40,7 @@ pub fn build_page() -> Result<Verdict> {
 
 /// Documentation, of the crates as they are linted: without the lints, cargo would check them once more for it.
 pub fn document() -> Result<Verdict> {
-    let mut command = lint_in_build(cargo(["doc", "--no-deps", "--workspace"]));
+    let mut command = lint_in_build(cargo(["doc", "--no-deps", "--workspace", "--exclude", EMULATOR]));
     command.env("RUSTDOCFLAGS", "-D warnings");
     run(command)?;
     Ok(Verdict::Passed(String::new()))
@@ -56,41 +61,21 @@ pub fn build_boards() -> Result<Verdict> {
     Ok(Verdict::Passed(boards.join(", ")))
 }
 
-/// The programs and tests for this computer, except the emulator's.
+/// The programs and tests for this computer.
 pub fn build() -> Result<Verdict> {
-    run(cargo(["test", "--workspace", "--no-run"]))?;
+    let mut tests = cargo(["test", "--workspace", "--no-run"]);
+    tests.args(WITH_PROCESSOR);
+    run(tests)?;
     checkout::build_command()?;
     Ok(Verdict::Passed(String::new()))
 }
 
-/// Tests on this computer.
+/// Tests on this computer, except the emulator's.
 pub fn test() -> Result<Verdict> {
-    count_tests(cargo(["test", "--workspace", "--no-fail-fast"]))
+    count_tests(cargo(["test", "--workspace", "--exclude", EMULATOR, "--no-fail-fast"]))
 }
 
-/// The emulator and its tests, formatted, built and linted.
-pub fn build_emulator() -> Result<Verdict> {
-    run(emulate::cargo(["fmt"], &["--check"]))?;
-    run(build_emulator_tests())?;
-    run(lint_emulator())?;
-    Ok(Verdict::Passed(String::new()))
-}
-
-/// Builds the tests of the emulator.
-fn build_emulator_tests() -> Command {
-    emulate::cargo(["test"], &["--release", "--ignore-rust-version", "--no-run"])
-}
-
-/// The emulator's lints. The result is thrown away, so it is not optimised.
-fn lint_emulator() -> Command {
-    let mut lint = build_emulator_tests();
-    lint.args(["--config", "profile.release.package.corehbot-emulator.opt-level=0"]);
-    lint_in_build(lint)
-}
-
-/// Lints in a build, with the dependencies that are built for it anyway. `cargo clippy` would check them once more; the
-/// emulator's code generator takes a minute and a half. So this does what `cargo clippy` does (its `CLIPPY_ARGS`, each
-/// ended by that word), but in a build.
+/// Lints what is built: does what `cargo clippy` does (its `CLIPPY_ARGS`, each ended by that word).
 fn lint_in_build(mut build: Command) -> Command {
     build.env("RUSTC_WORKSPACE_WRAPPER", "clippy-driver");
     build.env("CLIPPY_ARGS", "-D__CLIPPY_HACKERY__warnings__CLIPPY_HACKERY__");
@@ -99,7 +84,7 @@ fn lint_in_build(mut build: Command) -> Command {
 
 /// The tests of the emulator, which run the images of the Octopus and of the Nucleo.
 pub fn emulate() -> Result<Verdict> {
-    let mut tests = emulate::cargo(["test"], &["--release", "--ignore-rust-version", "--no-fail-fast"]);
+    let mut tests = emulate::cargo(["test"], &["--no-fail-fast"]);
     tests.env("COREHBOT_ELF", checkout::build_image(emulate::Board::Octopus.package())?);
     tests.env("COREHBOT_NUCLEO_ELF", checkout::build_image(emulate::Board::Nucleo.package())?);
     count_tests(tests)
@@ -157,14 +142,32 @@ mod tests {
         text.lines().map(|line| line.trim_end_matches(" (*)").replace(" (proc-macro)", "")).collect()
     }
 
-    /// With other features the core, the simulator and the twin would be built twice, once for `cargo xtask` and once
-    /// for the tests: 4 minutes on two cores.
+    /// With other features the core, the simulator and the twin would be built more than once: for `cargo xtask`, for
+    /// the tests and for the emulator, 4 minutes each on two cores.
     #[test]
-    fn xtask_is_built_of_the_crates_of_the_workspace() {
-        let own = features(&["--package", "xtask", "--edges", "normal,build"]);
-        let all = features(&["--workspace", "--edges", "normal,build,dev"]);
-        let lone: Vec<_> = own.difference(&all).collect();
-        assert!(lone.is_empty(), "xtask/Cargo.toml needs a line for each: {lone:#?}");
+    fn all_that_is_called_is_built_of_the_same_crates() {
+        let whole = ["--workspace", "--edges", "normal,build,dev"];
+        let all = features(&[&whole, &WITH_PROCESSOR[..1]].concat());
+        let [xtask, command, emulator] = ["xtask", "corehbot-cli", EMULATOR].map(|name| format!("--package={name}"));
+        let programs = "--edges=normal,build";
+        for built in [
+            vec![xtask.as_str(), programs],
+            vec![xtask.as_str(), &command, programs],
+            vec![emulator.as_str(), WITH_PROCESSOR[0], programs],
+            vec![emulator.as_str(), WITH_PROCESSOR[0], "--edges=normal,build,dev"],
+            [&whole[..], &["--exclude", EMULATOR]].concat(),
+        ] {
+            let lone: Vec<_> = features(&built).difference(&all).cloned().collect();
+            assert!(lone.is_empty(), "{built:?}: the manifest needs a line for each: {lone:#?}");
+        }
+    }
+
+    /// So a user's `cargo test --workspace` shares its crates too.
+    #[test]
+    fn without_the_processor_all_else_is_the_same() {
+        let whole = ["--workspace", "--edges", "normal,build,dev"];
+        let lone = &features(&whole) - &features(&[&whole, &WITH_PROCESSOR[..1]].concat());
+        assert!(lone.iter().all(|crate_| crate_.starts_with(EMULATOR)), "{lone:#?}");
     }
 
     /// Otherwise `cargo xtask` and cargo by hand would build ring, and all that needs it, in turns.

@@ -1,9 +1,9 @@
 //! Lanes: rows of steps side by side, because much of the work keeps one processor busy: linking, the longest of
 //! some tests, a waiting client.
 //!
-//! Shared dependencies are built before the lanes begin, and the emulator has a build folder of its own, so neither
-//! lane waits for the other's cargo for long. Each further lane is a process of its own. Its output is kept in a file
-//! until the lane that began it has ended, and then shown as it comes.
+//! All programs of this computer are built before the lanes begin, so no lane waits for another's cargo for long. Each
+//! further lane is a process of its own. Its output is kept in a file until the lane that began it has ended, and then
+//! shown as it comes.
 
 use super::Lane;
 use crate::checkout::target_dir;

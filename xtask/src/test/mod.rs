@@ -81,7 +81,7 @@ const NAMED: usize = 10;
 const TOOLS: &str = "tools";
 
 /// In each lane in this order, as quick steps should fail first.
-const STEPS: [Step; 20] = [
+const STEPS: [Step; 19] = [
     Step { name: TOOLS, lane: First, heading: "target, lints and emulator are there", run: tools::ensure },
     Step { name: "format", lane: First, heading: "rustfmt has nothing to change", run: cargo::format },
     Step { name: "build", lane: First, heading: "programs and tests of this computer build", run: cargo::build },
@@ -107,13 +107,6 @@ const STEPS: [Step; 20] = [
     Step { name: "host", lane: Host, heading: "tests on this computer", run: cargo::test },
     Step { name: "boards", lane: Images, heading: "core and boards are linted and build", run: cargo::build_boards },
     Step { name: "size", lane: Images, heading: "the images keep their budgets", run: size::check },
-    // One crate of it keeps a single processor busy for minutes, in which the other lane has the other.
-    Step {
-        name: "emulator",
-        lane: Images,
-        heading: "the emulator is formatted, builds, and clippy finds nothing in it",
-        run: cargo::build_emulator,
-    },
     Step { name: "qemu", lane: Images, heading: "QEMU steps as the simulator does", run: compare::check },
     Step { name: "exchange", lane: Images, heading: "QEMU answers hosts as it is written", run: exchanges::check },
     Step { name: "halt", lane: Images, heading: "QEMU stops at M112 within a millisecond", run: halt::check },

@@ -94,10 +94,10 @@ fn print(text: &str) -> Result<Verdict> {
     fs::write(&file, text)?;
     fs::write(&machine, MACHINE)?;
     let image = checkout::build_image("corehbot-octopus")?;
-    let mut build = emulate::cargo(["build"], &["--release", "--ignore-rust-version", "--quiet"]);
+    let mut build = emulate::cargo(["build"], &["--quiet"]);
     build.current_dir(root());
     run(build)?;
-    let mut board = emulate::cargo(["run"], &["--release", "--ignore-rust-version", "--quiet", "--"]);
+    let mut board = emulate::cargo(["run"], &["--quiet", "--"]);
     board.arg(&image).arg(&file).arg("--machine").arg(&machine).args(["--usbip", ADDRESS]);
     let seen = folder.join("board.txt");
     board.stdout(fs::File::create(&seen)?);
