@@ -5,6 +5,7 @@
 
 mod cargo;
 mod demand;
+mod doc_tests;
 mod exchanges;
 mod halt;
 mod lane;
