@@ -16,7 +16,7 @@ mod slowest;
 
 use crate::verdict::{Times, Verdict};
 use crate::{bench, browser, clients, cluster, compare, tools, usb};
-use Lane::{Cable, Emulated, First, Host, Images, Last};
+use Lane::{Cable, Emulated, First, Host, Images, Last, Outside};
 use anyhow::{Context as _, Result, bail};
 use std::cmp::Reverse;
 use std::path::{Path, PathBuf};
@@ -49,9 +49,11 @@ struct Step {
 enum Lane {
     /// Before all others.
     First,
-    /// On this computer's own code, and with real hosts.
+    /// On this computer's own code.
     Host,
-    /// Steps on images; they run in parallel with [`Lane::Host`].
+    /// With real hosts and browsers, in parallel with [`Lane::Host`]: they wait for much of their time.
+    Outside,
+    /// Steps on images; they run in parallel with both.
     Images,
     /// The longest step on images, after the others.
     Emulated,
@@ -67,6 +69,7 @@ impl Lane {
         match self {
             Self::First => "first",
             Self::Host => "host",
+            Self::Outside => "outside",
             Self::Images => "images",
             Self::Emulated => "emulated",
             Self::Cable => "cable",
@@ -87,12 +90,6 @@ const STEPS: [Step; 19] = [
     Step { name: "format", lane: First, heading: "rustfmt has nothing to change", run: cargo::format },
     Step { name: "build", lane: First, heading: "programs and tests of this computer build", run: cargo::build },
     Step { name: "lint", lane: Host, heading: "clippy finds nothing", run: cargo::lint },
-    Step {
-        name: "wasm",
-        lane: Host,
-        heading: "what is below the command builds for a browser",
-        run: cargo::build_page,
-    },
     Step { name: "doc", lane: Host, heading: "documentation builds without warnings", run: cargo::document },
     Step {
         name: "package",
@@ -100,12 +97,18 @@ const STEPS: [Step; 19] = [
         heading: "a program is built on the core as it is published",
         run: package::check,
     },
-    // Clients wait for most of their time, in which the other lane has both processors; so they are not the last. By
-    // now the other lane has built QEMU's image.
-    Step { name: "clients", lane: Host, heading: "printcore and OctoPrint print on it", run: clients::check },
-    Step { name: "cluster", lane: Host, heading: "a study outlives a worker that is killed", run: cluster::check },
-    Step { name: "browser", lane: Host, heading: "pages work in a headless Chromium", run: browser::check },
     Step { name: "host", lane: Host, heading: "tests on this computer", run: cargo::test },
+    // Built in a folder of its own, while lints have the folder of this computer's programs.
+    Step {
+        name: "wasm",
+        lane: Outside,
+        heading: "what is below the command builds for a browser",
+        run: cargo::build_page,
+    },
+    Step { name: "browser", lane: Outside, heading: "pages work in a headless Chromium", run: browser::check },
+    Step { name: "cluster", lane: Outside, heading: "a study outlives a worker that is killed", run: cluster::check },
+    // By now the other lane has built QEMU's image.
+    Step { name: "clients", lane: Outside, heading: "printcore and OctoPrint print on it", run: clients::check },
     Step { name: "boards", lane: Images, heading: "core and boards are linted and build", run: cargo::build_boards },
     Step { name: "size", lane: Images, heading: "the images keep their budgets", run: size::check },
     Step { name: "qemu", lane: Images, heading: "QEMU steps as the simulator does", run: compare::check },
@@ -136,8 +139,9 @@ pub fn main(args: &Args) -> Result<()> {
         return report.write(results);
     } else {
         report.run(|step| step.lane == First);
-        let images = lane::begin(Images)?;
+        let (images, outside) = (lane::begin(Images)?, lane::begin(Outside)?);
         report.run(|step| step.lane == Host);
+        report.read(&outside.end()?)?;
         report.read(&images.end()?)?;
         report.run(|step| step.lane == Last);
     }
