@@ -6,11 +6,11 @@
 //!
 //! # Jumps of speed
 //! A corner may change the speed at once. Under junction deviation d, a corner of half angle t (between the moves) is
-//! taken at `v^2 = a d s / (1 - s)` with `s = sin t`. The change of velocity is `2 v cos t`. Its square is `4 a d s (1
-//! + s)`, at most `8 a d` however flat the corner. So along an axis that bears the acceleration a, no more than `sqrt(8
-//! a d)` may jump. For a turn with the share n of the axis, a is at most `A / n`. The jump of the axis is n times that
-//! of the tool. No corner is taken with more than the commanded acceleration c, either. A square-corner velocity w is
-//! the same law with `d = w^2 (sqrt 2 - 1) / c`, so an axis that bears less than c gets less than w.
+//! taken at `v^2 = a d s / (1 - s)` with `s = sin t`. The change of velocity is `2 v cos t`. Its square is
+//! `4 a d s (1 + s)`, at most `8 a d` however flat the corner. So along an axis that bears the acceleration a, no more
+//! than `sqrt(8 a d)` may jump. For a turn with the share n of the axis, a is at most `A / n`. The jump of the axis is
+//! n times that of the tool. No corner is taken with more than the commanded acceleration c, either. A square-corner
+//! velocity w is the same law with `d = w^2 (sqrt 2 - 1) / c`, so an axis that bears less than c gets less than w.
 //!
 //! This is the table of corners (`Corners`): it is computed from the print's own words, and shares nothing with the
 //! planner. The terms of a jump are
