@@ -1,9 +1,9 @@
 //! The bed under the look-ahead: its mesh, and what the surface asks of z.
 //!
-//! A tool that moves at the speed v over the slope s moves z at s v. At the acceleration a z accelerates by `s a + k
-//! v^2` with the curvature k along the path. The same holds for the change of direction at a corner. So a move's limits
-//! count z's share with the greatest slope of the cells that it crosses. Z's acceleration is less by the greatest
-//! curvature times the square of the greatest speed.
+//! A tool that moves at the speed v over the slope s moves z at s v. At the acceleration a z accelerates by
+//! `s a + k v^2` with the curvature k along the path. The same holds for the change of direction at a corner. So a
+//! move's limits count z's share with the greatest slope of the cells that it crosses. Z's acceleration is less by the
+//! greatest curvature times the square of the greatest speed.
 
 use crate::motion::number::{acceleration, root, speed};
 use crate::motion::surface::SurfaceFrame;
