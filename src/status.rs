@@ -73,8 +73,8 @@ pub struct Status {
     underruns: AtomicU32,
     /// Moves planned and not begun, at the Console's last turn.
     level: AtomicU32,
-    /// One more than the fewest moves in the look-ahead while the stream ran; 0 if it never ran. (A status of zeros
-    /// costs no flash.)
+    /// One more than the fewest moves in the look-ahead while the stream ran; 0 if it never ran. A status of
+    /// zeros costs no flash.
     low_water: AtomicU32,
     /// Whether an emergency stop holds until M999 or a reset.
     halted: AtomicBool,

@@ -25,8 +25,8 @@ fn a_disc_grows_with_the_square_of_the_speed() {
             assert!(figure(&told, index, "square", key).abs() < 8.0, "{told}");
         }
     }
-    // At a corner the tool is braked and goes on outwards, by more than the lag of a steady 3 m/s2 (6 um in x, 19 in y)
-    // and less than twice as much and a jump of 10 mm/s (28 um).
+    // At a corner the tool is braked and goes on outwards, by more than the lag of a steady 3 m/s2 (6 um in x, 19 in
+    // y). The bound is twice as much and a jump of 10 mm/s (28 um).
     for index in [0, 1] {
         assert!((6.0..70.0).contains(&figure(&told, index, "square", "corner_outside_um")), "{told}");
         assert!((0.0..70.0).contains(&figure(&told, index, "square", "side_outside_um")), "{told}");

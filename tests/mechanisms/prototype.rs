@@ -4,8 +4,8 @@ use crate::belt_equations::{BeltSteps, ToolSteps, forward, inverse, residual};
 use corehbot::kinematics::{Group, Groups, Mechanism};
 use corehbot::motors::{MotorSet, per_motor, prototype};
 
-/// The paper's table of signs: +x turns 1 and 4 clockwise, 8 and 11 counter-clockwise; +y turns 1 and
-/// 11 counter-clockwise, 4 and 8 clockwise.
+/// The paper's table of signs. Along +x motors 1 and 4 turn clockwise, 8 and 11 counter-clockwise. Along +y motors 1
+/// and 11 turn counter-clockwise, 4 and 8 clockwise.
 #[test]
 fn ten_millimetres_turn_the_motors_as_the_paper_says() {
     let right = inverse(ToolSteps { x: 800, y: 0, c: 0 });

@@ -5,7 +5,7 @@ use crate::status::{Tuned, TuningFailure};
 use crate::thermal::fixed_point::RATE;
 use crate::units::{JoulesPerKelvin, Seconds, Watts};
 
-/// k for s / (r + s) of 0/16 to 16/16, times 4096: -x s/(r+s) + 2 - (2 + x) e^-x, where (1 + x) e^-x is s/(r+s).
+/// The k for s / (r + s) of 0/16 to 16/16, times 4096: -x s/(r+s) + 2 - (2 + x) e^-x, where (1 + x) e^-x is s/(r+s).
 const RISE_AFTER_CUT: [i64; 17] =
     [8192, 6744, 5722, 4870, 4133, 3485, 2910, 2398, 1942, 1537, 1180, 868, 601, 376, 197, 66, 0];
 

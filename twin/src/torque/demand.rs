@@ -176,7 +176,7 @@ mod tests {
         lines.map(|line| (1e4 * line.slope + line.own) * 1000.0).collect()
     }
 
-    /// r m a / 4 + J a / r: figures of an independent computation, 18.03 and 37.08 mN m.
+    /// By r m a / 4 + J a / r an independent computation has 18.03 and 37.08 mN m.
     #[test]
     fn motors_bear_the_mass_that_moves_and_their_rotors() {
         for (direction, torque) in [([1.0, 0.0], 18.03), ([0.0, 1.0], 37.08)] {

@@ -105,8 +105,8 @@ fn a_register_that_keeps_nothing_is_found() {
     }
 }
 
-/// 0x34 0x01 is 308: 11,399.17 and 11,797.87 mm/s^2 by 3.774 and 3.906 mg of 9806.65 mm/s^2; 0x1000 of a LIS2DW12 is
-/// 19,602.00 mm/s^2.
+/// The bytes 0x34 0x01 are 308: 11,399.17 and 11,797.87 mm/s^2 by 3.774 and 3.906 mg of 9806.65 mm/s^2. A LIS2DW12's
+/// 0x1000 is 19,602.00 mm/s^2.
 #[test]
 fn samples_are_those_of_the_bytes() {
     let of = |kind, raw| scaled(kind, raw).axes;
