@@ -221,8 +221,8 @@ fn limits_and_resonance_know_every_routing() {
         let text = [limits.to_string(), found.to_string()].concat();
         assert_eq!(text.contains("the firmware has no shaper for z"), machine.lifts(), "{text}");
     }
-    // Motors of 63 N move a mass, its friction and rotors of 0.134 kg. All four of a CoreXYZ move the 3.8 kg that go up,
-    // evenly in the middle and a little less so at the worst place.
+    // Motors of 63 N move a mass, its friction and rotors of 0.134 kg. All four of a CoreXYZ move the 3.8 kg that go
+    // up, evenly in the middle and a little less so at the worst place.
     let (force, rotor) = (400.0 / 6.35, 5.4e-6 / (6.35e-3 * 6.35e-3));
     let limits = |machine: Machine| {
         let tool = workspace(machine, &params).centre();

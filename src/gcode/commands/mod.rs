@@ -49,8 +49,8 @@ pub use table::{Line, codes, described, names};
 /// One that acts at once is a file of `machine::commands::table`. Any other is a variant and a row of its family here,
 /// and an arm of the same family in `machine::commands`, for which the compiler asks.
 /// `sim/board/tests/commands/table.rs` asks for a row with its answer, `tests/gcode.rs` for a grammar (without one any
-/// text is taken), and docs/reference/gcode.md is made from the row. By hand: a code that was ignored leaves `silent`; a
-/// code that hosts send to a stopped machine goes into `machine::main_loop::halted`.
+/// text is taken), and docs/reference/gcode.md is made from the row. By hand: a code that was ignored leaves `silent`;
+/// a code that hosts send to a stopped machine goes into `machine::main_loop::halted`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Command<'a> {
     /// Moves, modes, overrides.

@@ -4,8 +4,9 @@
 //!   Command ──▶ table, or motion, jobs, heat, settings, motors, probing, bed, resonance, reports, refused ──▶ Answer
 //! ```
 //!
-//! A command with all of it in one file is in the table. Of the others each family has one match without a wildcard, so a new command does not compile before it has an arm. The arm gives
-//! the answer at once, or awaits it: motion, power, storage, drivers, questions to the user.
+//! A command with all of it in one file is in the table. Each family of the others has one match without a wildcard. So
+//! a new command does not compile before it has an arm. The arm gives the answer at once, or awaits it: motion, power,
+//! storage, drivers, questions to the user.
 //!
 //! Each family is polled by a function of its own (`apart`). In one function they took 7.3 KB more of an image.
 
