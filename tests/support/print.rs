@@ -127,15 +127,6 @@ fn motor(f: &mut Formatter<'_>, command: MotorCommand, line: &[u8]) -> fmt::Resu
         MotorCommand::IdleTimeout { seconds } => write!(f, "M84 S{seconds}"),
         MotorCommand::Stealth { on: None, .. } => f.write_str("M569"),
         MotorCommand::Stealth { on: Some(on), axes } => flags(f, if on { "M569 S1" } else { "M569 S0" }, axes),
-        MotorCommand::DriverCurrent { axes, driver } => {
-            axis_line(f, "M906", axes)?;
-            word(f, 'I', driver)
-        }
-        MotorCommand::HybridThreshold(words) => axis_line(f, "M913", words),
-        MotorCommand::StallThreshold { axes, driver } => {
-            axis_line(f, "M914", axes)?;
-            word(f, 'I', driver)
-        }
         MotorCommand::AlignBelt { diagnoses, repairs } => {
             f.write_str("M915")?;
             f.write_str(if diagnoses { " D" } else { "" })?;

@@ -4,11 +4,11 @@ use super::Command;
 use super::grammar::{Grammar, NO_AXES, WORDS};
 use super::row::Described;
 use super::settings::{named_value, words};
-use crate::gcode::axes::{axis_flags, axis_words};
+use crate::gcode::axes::axis_flags;
 use crate::gcode::index::{Absent, Named, Part};
 use crate::gcode::lexer::{last, number, switch};
 use crate::gcode::number::Number;
-use crate::gcode::parts::{AxisFlags, AxisWords, Flaw, LevelWords};
+use crate::gcode::parts::{AxisFlags, Flaw, LevelWords};
 use crate::motors::MotorName;
 use crate::text::is_word;
 
@@ -31,22 +31,6 @@ pub enum MotorCommand {
         on: Option<bool>,
         /// The axes.
         axes: AxisFlags,
-    },
-    /// M906: run current in mA, or report.
-    DriverCurrent {
-        /// The currents.
-        axes: AxisWords,
-        /// I: which driver of each axis; all of them without a number.
-        driver: Option<Number>,
-    },
-    /// M913: speed above which spreadCycle replaces stealthChop, units/s, or report.
-    HybridThreshold(AxisWords),
-    /// M914: StallGuard threshold, or report.
-    StallThreshold {
-        /// The thresholds.
-        axes: AxisWords,
-        /// As in M906.
-        driver: Option<Number>,
     },
     /// M915: align the motors of one belt, or check them.
     AlignBelt {
@@ -74,12 +58,6 @@ pub enum MotorCommand {
 /// Words that select a driver, where all drivers of an axis have one value.
 const DRIVERS: &[(u8, Part)] = &[(b'I', Part::Driver), (b'T', Part::Extruder)];
 
-/// A number for the drivers of each axis.
-const AXES: &Grammar = &Grammar::numbers(b"XYZE");
-
-/// The same where I selects one of the machine's drivers. The machine knows how many an axis has.
-const OF_DRIVER: &Grammar = &AXES.parts(&[(b'T', Part::Extruder)]);
-
 pub(super) const ROWS: &[Described] = &[
     Described::m(&[17], |_, text| motor(MotorCommand::EnableMotors(axis_flags(text))))
         .grammar(&Grammar::numbers(b"").no_axes(NO_AXES).parts(&[(b'E', Part::Extruder)]))
@@ -91,19 +69,6 @@ pub(super) const ROWS: &[Described] = &[
     Described::m(&[569], |_, text| if last(text, b'P').is_none() { motor(stealth(text)) } else { None })
         .grammar(&Grammar::numbers(b"").parts(DRIVERS))
         .does("S X Y Z E", "stealthChop (1) or spreadCycle (0); or reports; with P unknown"),
-    Described::m(&[906], |_, text| {
-        motor(MotorCommand::DriverCurrent { axes: axis_words(text), driver: number(text, b'I') })
-    })
-    .grammar(OF_DRIVER)
-    .does("X Y Z E, I", "run current in mA, of one driver of the axis with I; or reports"),
-    Described::m(&[913], |_, text| motor(MotorCommand::HybridThreshold(axis_words(text))))
-        .grammar(const { &AXES.parts(DRIVERS) })
-        .does("X Y Z E", "speed above which stealthChop ends, mm/s; or reports"),
-    Described::m(&[914], |_, text| {
-        motor(MotorCommand::StallThreshold { axes: axis_words(text), driver: number(text, b'I') })
-    })
-    .grammar(OF_DRIVER)
-    .does("X Y Z E, I", "StallGuard threshold, of one driver of the axis with I; or reports"),
     Described::m(&[915], |_, text| align(text))
         .grammar(WORDS)
         .does("D, R", "aligns the motors of a belt; D diagnoses, R repairs ([belt](../explanation/belt/alignment.md))"),

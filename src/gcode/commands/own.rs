@@ -7,9 +7,11 @@ use super::Command;
 use super::grammar::{Grammar, Letters, in_order};
 use super::row::{Begin, Text, Treatment};
 use super::table::Line;
+use crate::gcode::axes::axis_words;
 use crate::gcode::code::Code;
 use crate::gcode::lexer::{last, number, switch};
 use crate::gcode::number::Number;
+use crate::gcode::parts::AxisWords;
 
 /// What a command is for a print.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -176,6 +178,12 @@ impl<'a> OwnCommand<'a> {
     #[must_use]
     pub fn switch(&self) -> Option<bool> {
         switch(self.text)
+    }
+
+    /// The numbers of the axes.
+    #[must_use]
+    pub fn axes(&self) -> AxisWords {
+        axis_words(self.text)
     }
 
     /// All that follows the code or name.

@@ -6,7 +6,7 @@ use super::*;
 use crate::connectors::Heater;
 use crate::gcode::number::Number;
 use crate::gcode::parse::parse;
-use crate::gcode::parts::{AxisFlags, AxisWords, ModelWords, ParkWords, PlainWords, TuningWords};
+use crate::gcode::parts::{AxisFlags, ModelWords, ParkWords, PlainWords, TuningWords};
 use crate::settings::plain::MOST_WORDS;
 
 /// The command of a code with numbers for its first settings.
@@ -49,16 +49,6 @@ fn drivers() {
     assert_eq!(parse(b"M569 S1 X Y"), Command::Motor(MotorCommand::Stealth { on: Some(true), axes }));
     assert_eq!(parse(b"M569"), Command::Motor(MotorCommand::Stealth { on: None, axes: AxisFlags::default() }));
     assert_eq!(parse(b"M569 P0 S0"), Command::Unknown(b"M569 P0 S0"));
-    let words = AxisWords { x: Some(Number::from(900)), ..AxisWords::default() };
-    assert_eq!(parse(b"M906 X900"), Command::Motor(MotorCommand::DriverCurrent { axes: words, driver: None }));
-    let driver = |line: &str| match parse(line.as_bytes()) {
-        Command::Motor(MotorCommand::DriverCurrent { driver, .. } | MotorCommand::StallThreshold { driver, .. }) => {
-            driver
-        }
-        other => panic!("{line}: {other:?}"),
-    };
-    let numbers = [("M906 I1 X700", 1), ("M914 X100 I 2", 2), ("M906 I-1 X700", -1), ("M914 I0", 0)];
-    numbers.iter().for_each(|(line, number)| assert_eq!(driver(line), Some((*number).into()), "{line}"));
     assert_eq!(parse(b"M122"), Command::Report(ReportCommand::Diagnose));
 }
 
@@ -165,7 +155,7 @@ fn heaters_and_fans() {
 #[test]
 fn every_code_has_its_command() {
     let one = Some(Number::from(1));
-    let (none, no_flags) = (AxisWords::default(), AxisFlags::default());
+    let no_flags = AxisFlags::default();
     for (line, command) in [
         ("M17", Command::Motor(MotorCommand::EnableMotors(no_flags))),
         ("M24", Command::Job(JobCommand::Resume)),
@@ -194,8 +184,6 @@ fn every_code_has_its_command() {
         ("M503 S", Command::Setting(SettingCommand::ReportSettings { for_replay: false })),
         ("M503 S1", Command::Setting(SettingCommand::ReportSettings { for_replay: false })),
         ("M503 S0", Command::Setting(SettingCommand::ReportSettings { for_replay: true })),
-        ("M913", Command::Motor(MotorCommand::HybridThreshold(none))),
-        ("M914", Command::Motor(MotorCommand::StallThreshold { axes: none, driver: None })),
         ("M999", Command::Job(JobCommand::Restart)),
     ] {
         assert_eq!(parse(line.as_bytes()), command, "{line}");

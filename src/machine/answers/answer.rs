@@ -7,7 +7,6 @@
 
 use super::belt_answer::BeltAnswer;
 use super::buzz_answer::BuzzAnswer;
-use super::driver_value::DriverValue;
 use super::machine_answer::MachineAnswer;
 use super::mesh_answer::MeshAnswer;
 use super::probe_answer::ProbeAnswer;
@@ -67,9 +66,6 @@ pub(in crate::machine) enum Answer<'a> {
     Action(Action<'static>),
     /// M118.
     Message(Form, &'a [u8]),
-    /// M900.
-    Advance,
-    FeedPercent,
     /// M28, with the name of the file: there is no card.
     NoCard(&'a [u8]),
     /// An upload to a card has ended; this many lines were not carried out.
@@ -83,18 +79,10 @@ pub(in crate::machine) enum Answer<'a> {
     Heat,
     /// Temperatures while a command waits for them, and the seconds that are missing.
     Heating(Option<u32>),
-    /// A heater that is waited for does not get warmer.
-    NoRise(Heater),
-    /// A heater that a command is for is not fitted, but others are.
-    NoHeater(Heater),
     /// A command would heat with a sensor that cannot be right.
     NoHeat(&'static str, fault::Fault),
-    /// M106 for a fan that no machine has.
-    NoFan(u8),
     /// A command for a driver of an axis that has no such driver, or whose drivers have one value.
     NoDriver(&'static str, Number),
-    /// M106 for a fan that something else decides on.
-    NotCommanded(u8),
     HeatSetting(HeatSetting),
     /// M303: cycles that are done.
     TuningCycle(Heater, u8),
@@ -112,15 +100,8 @@ pub(in crate::machine) enum Answer<'a> {
         /// As lines that can be sent back unchanged, and nothing else.
         for_replay: bool,
     },
-    /// A command that needs the same value for X and Y got different ones.
-    OneBelt(&'static str),
     /// M92 would give axes that share motors different steps.
     SharedMotors(&'static str),
-    LoweredSpeeds,
-    TooMuchFilament,
-    DriverValues(DriverValue),
-    /// The same of the motors that have their own.
-    OwnDriverValues(DriverValue),
     /// M122: a driver and its reading; `None` without a UART.
     Driver(Motor, Option<Result<Reading, DriverError>>),
     /// Motors that can pull against each other.

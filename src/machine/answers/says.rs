@@ -1,6 +1,7 @@
 //! Words in the file of a command: a function that says them, and the values that the command keeps for itself.
 
 use super::speaker::Speaker;
+use crate::connectors::Heater;
 use crate::settings::Settings;
 use crate::status::Status;
 
@@ -10,6 +11,13 @@ pub(in crate::machine) struct Facts<'f> {
     pub status: &'f Status,
     /// The number that the command keeps for itself.
     pub number: i32,
+}
+
+impl Facts<'_> {
+    /// The name of the heater of that number.
+    pub fn heater(&self) -> &'static str {
+        Heater::ALL.into_iter().find(|heater| *heater as i32 == self.number).map_or("", Heater::name)
+    }
 }
 
 /// Says the words.

@@ -9,9 +9,12 @@ use super::states::States;
 use crate::gcode::{Absent, AxisFlags, AxisWords, Named, Number, Part};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::driver_value::DriverValue;
+use crate::machine::answers::says::Facts;
+use crate::machine::answers::speaker::Speaker;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
+use crate::machine::reports::driver_report::{report_driver_values, report_own_driver_values};
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::modal::Modal;
 use crate::port::{Motor, Pend};
@@ -62,12 +65,12 @@ pub(in crate::machine) fn set_drivers<P: PortSet, W: Pend>(
         return Answer::Line("echo:drivers are set by their jumpers");
     }
     if is_report {
-        return Answer::DriverValues(value);
+        return Answer::says(say_all, value as i32);
     }
     let [x, y, ..] = places;
     let are_one = words.x.is_some() && words.y.is_some() && x == y;
     if are_one && words.x != words.y {
-        return Answer::OneBelt(code);
+        return Answer::says(say_one_belt, value as i32);
     }
     let (mut wanted, mut sets_group) = (main_loop.settings.drivers, false);
     for (axis, (place, number)) in places.into_iter().zip(asked).enumerate() {
@@ -95,7 +98,21 @@ pub(in crate::machine) fn set_drivers<P: PortSet, W: Pend>(
     main_loop.use_driver_settings(wanted);
     // Motors with their own value do not follow their group.
     let has_own = value.of_motors(&main_loop.settings).next().is_some();
-    if sets_group && has_own { Answer::OwnDriverValues(value) } else { Answer::Nothing }
+    if sets_group && has_own { Answer::says(say_own, value as i32) } else { Answer::Nothing }
+}
+
+/// The values of each axis, and of each motor that has its own.
+fn say_all(to: &mut Speaker<'_>, facts: &Facts<'_>) {
+    report_driver_values(to, DriverValue::of(facts.number), facts.settings);
+}
+
+fn say_own(to: &mut Speaker<'_>, facts: &Facts<'_>) {
+    report_own_driver_values(to, DriverValue::of(facts.number), facts.settings);
+}
+
+fn say_one_belt(to: &mut Speaker<'_>, facts: &Facts<'_>) {
+    let code = DriverValue::of(facts.number).code();
+    to.say(format_args!("echo:{code} ignored: X and Y move one belt and need the same value"));
 }
 
 /// Changes a value of a single motor if it is legal; 0 is the value of its group.

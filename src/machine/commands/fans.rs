@@ -2,6 +2,8 @@
 
 use crate::gcode::{Absent, Named, Number, Part};
 use crate::machine::answers::answer::Answer;
+use crate::machine::answers::says::Facts;
+use crate::machine::answers::speaker::Speaker;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
@@ -31,8 +33,8 @@ pub(in crate::machine) async fn set_fan<P: PortSet, W: Pend>(
     // Slicers name fans of other machines.
     let answer = match main_loop.settings.thermal.fans.get(usize::from(fan)) {
         Some(settings) if settings.role.is_commanded() => None,
-        Some(_) => Some(Answer::NotCommanded(fan)),
-        None => Some(Answer::NoFan(fan)),
+        Some(_) => Some(Answer::says(say_not_commanded, fan.into())),
+        None => Some(Answer::says(say_no_fan, fan.into())),
     };
     if let Some(answer) = answer {
         let absent = Absent { command: Named::Code(b'M', 106), part: Part::Fan, which: &[fan] };
@@ -42,6 +44,20 @@ pub(in crate::machine) async fn set_fan<P: PortSet, W: Pend>(
         main_loop.set_fan(fan, duty(speed)).await?;
     }
     Ok(Answer::Nothing)
+}
+
+/// Something else decides on it.
+fn say_not_commanded(to: &mut Speaker<'_>, facts: &Facts<'_>) {
+    to.say(format_args!("echo:fan {} is not commanded", facts.number));
+}
+
+fn say_no_fan(to: &mut Speaker<'_>, facts: &Facts<'_>) {
+    // P is read into a byte, so this one stands for every greater number, too.
+    if facts.number == i32::from(u8::MAX) {
+        to.say(format_args!("echo:M106 ignored: there is no fan of that number"));
+    } else {
+        to.say(format_args!("echo:M106 ignored: there is no fan {}", facts.number));
+    }
 }
 
 /// The fan that M106 P means: where FAN0 has something else to do, P0 (and no P) is the part fan, as for slicers.

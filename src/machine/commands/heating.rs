@@ -7,6 +7,8 @@ use crate::connectors::{HEATERS, Heater};
 use crate::fault::Fault;
 use crate::gcode::Number;
 use crate::machine::answers::answer::Answer;
+use crate::machine::answers::says::Facts;
+use crate::machine::answers::speaker::Speaker;
 use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
@@ -153,7 +155,7 @@ fn missing<P: PortSet, W: Pend>(
         Heater::Chamber => Answer::Nothing,
         Heater::Hotend | Heater::Bed if has_any => {
             let notice = if heater == Heater::Bed { Notice::NoBed } else { Notice::NoHotend };
-            if notices.give(notice) { Answer::NoHeater(heater) } else { Answer::Nothing }
+            if notices.give(notice) { Answer::says(say_no_heater, heater as i32) } else { Answer::Nothing }
         }
         Heater::Hotend | Heater::Bed if notices.give(Notice::NoHeaters) => Answer::Line("echo:no heaters configured"),
         Heater::Hotend | Heater::Bed => Answer::Nothing,
@@ -340,7 +342,7 @@ async fn await_heat<P: PortSet, W: Pend>(
                     return Err(Interrupt::EndJob);
                 }
             }
-            Some(Stuck::Tell(heater)) => main_loop.reply(Answer::NoRise(heater)).await?,
+            Some(Stuck::Tell(heater)) => main_loop.reply(Answer::says(say_no_rise, heater as i32)).await?,
             None => {}
         }
         // The look-ahead would keep the last moves for later ones, and these wait for this line.
@@ -375,6 +377,19 @@ pub(in crate::machine) async fn heat_again<P: PortSet, W: Pend>(
     Ok(())
 }
 
+/// A heater that a command is for is not fitted, but others are.
+fn say_no_heater(to: &mut Speaker<'_>, facts: &Facts<'_>) {
+    to.say(format_args!("echo:no {} configured, ignored", facts.heater()));
+}
+
+/// A heater that is waited for does not get warmer.
+fn say_no_rise(to: &mut Speaker<'_>, facts: &Facts<'_>) {
+    to.say(format_args!(
+        "echo:{} does not get warmer; the print ends if this continues. M108 ends this wait",
+        facts.heater()
+    ));
+}
+
 /// The heater that a command for its behaviour means, if it is fitted.
 #[allow(clippy::result_large_err, reason = "the answer is what the caller returns, whichever it is")]
 pub(in crate::machine) fn model_of(
@@ -384,7 +399,7 @@ pub(in crate::machine) fn model_of(
     match heater {
         None => Err(Answer::Line("echo:line ignored: E is 0 (hotend), -1 (bed) or -2 (chamber)")),
         Some(heater) if thermal.heater(heater).is_fitted => Ok(heater),
-        Some(heater) if thermal.has_heater() => Err(Answer::NoHeater(heater)),
+        Some(heater) if thermal.has_heater() => Err(Answer::says(say_no_heater, heater as i32)),
         Some(_) => Err(Answer::Line("echo:no heaters configured, ignored")),
     }
 }

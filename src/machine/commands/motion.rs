@@ -8,6 +8,8 @@ use super::waits::dwell;
 use crate::gcode::{AxisWords, MotionCommand};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::mesh_answer::MeshAnswer;
+use crate::machine::answers::says::Facts;
+use crate::machine::answers::speaker::Speaker;
 use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
@@ -55,7 +57,9 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
         MotionCommand::AbsoluteExtrusion => modal.absolute_extrusion = true,
         MotionCommand::RelativeExtrusion => modal.absolute_extrusion = false,
         MotionCommand::SetPosition(ref words) => set_position(main_loop, modal, clamps, words),
-        MotionCommand::FeedPercent(None) => return Ok(Answer::FeedPercent),
+        MotionCommand::FeedPercent(None) => {
+            return Ok(Answer::says(say_feed, i32::from(main_loop.motion.feed_percent())));
+        }
         MotionCommand::FeedPercent(Some(number)) => {
             if let Some(percent) = clamps.whole_of(["M220", "S"], number, PERCENT, None) {
                 main_loop.override_feed(percent).await?;
@@ -73,6 +77,11 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
         MotionCommand::Tool => {}
     }
     Ok(Answer::Nothing)
+}
+
+/// M220.
+fn say_feed(to: &mut Speaker<'_>, facts: &Facts<'_>) {
+    to.say(format_args!("FR:{}%", facts.number));
 }
 
 /// G92.

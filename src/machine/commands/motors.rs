@@ -2,7 +2,7 @@
 
 use super::belt::{align_belt, examine_belt};
 use super::buzz::buzz;
-use super::drivers::{change_mode, set_drivers};
+use super::drivers::change_mode;
 use super::job::end_by_line;
 use super::retraction::forget_retraction;
 use super::screws::{level_screws, tell_hand_screws};
@@ -11,7 +11,6 @@ use crate::driver::Job;
 use crate::gcode::{AxisFlags, MotorCommand};
 use crate::kinematics::Groups;
 use crate::machine::answers::answer::Answer;
-use crate::machine::answers::driver_value::DriverValue;
 use crate::machine::apart::apart;
 use crate::machine::belt::report::report_belt;
 use crate::machine::interrupt::Interrupt;
@@ -38,15 +37,6 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
             Answer::Nothing
         }
         MotorCommand::Stealth { on, axes } => return change_mode(main_loop, states, on, axes).await,
-        MotorCommand::DriverCurrent { ref axes, driver } => {
-            set_drivers(main_loop, DriverValue::Current, axes, driver, states)
-        }
-        MotorCommand::HybridThreshold(ref words) => {
-            set_drivers(main_loop, DriverValue::HybridThreshold, words, None, states)
-        }
-        MotorCommand::StallThreshold { ref axes, driver } => {
-            set_drivers(main_loop, DriverValue::StallThreshold, axes, driver, states)
-        }
         MotorCommand::AlignBelt { diagnoses: false, repairs: false } => {
             return align_belt(main_loop, &mut states.notices).await;
         }

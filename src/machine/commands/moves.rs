@@ -11,6 +11,8 @@ use crate::connectors::Heater;
 use crate::gcode::{ArcWords, AxisWords, Number};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::belt_answer::BeltAnswer;
+use crate::machine::answers::says::Facts;
+use crate::machine::answers::speaker::Speaker;
 use crate::machine::apart::apart;
 use crate::machine::belt::align::lacks_alignment;
 use crate::machine::interrupt::Interrupt;
@@ -315,7 +317,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
             tell_of_cold(self.main_loop, self.notices).await?;
         }
         if wanted.too_much {
-            self.main_loop.reply(Answer::TooMuchFilament).await?;
+            self.main_loop.reply(Answer::says(say_too_much, 0)).await?;
         }
         if wanted.is_too_far {
             self.tell_of_edge().await?;
@@ -417,4 +419,9 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         self.main_loop.commanded.take_extra();
         Ok(Answer::Nothing)
     }
+}
+
+fn say_too_much(to: &mut Speaker<'_>, facts: &Facts<'_>) {
+    let most = facts.settings.axes.e.length.to_num::<i32>();
+    to.say(format_args!("echo:E left out: more than {most} mm of filament in one move"));
 }

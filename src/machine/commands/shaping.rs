@@ -2,9 +2,12 @@
 
 use crate::gcode::{Number, ShaperName, ShaperWords};
 use crate::machine::answers::answer::Answer;
+use crate::machine::answers::says::Facts;
 use crate::machine::answers::setting::Setting;
+use crate::machine::answers::speaker::Speaker;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
+use crate::machine::numbers::shortest;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::motion::advance_window;
@@ -124,6 +127,10 @@ pub(in crate::machine) async fn change_shapers<P: PortSet, W: Pend>(
     Ok(Answer::Nothing)
 }
 
+fn say_advance(to: &mut Speaker<'_>, facts: &Facts<'_>) {
+    to.say(format_args!("echo:Advance K={}", shortest(facts.settings.advance.time)));
+}
+
 /// M900, M572.
 pub(in crate::machine) async fn change_advance<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
@@ -132,7 +139,7 @@ pub(in crate::machine) async fn change_advance<P: PortSet, W: Pend>(
     window: Option<Number>,
 ) -> Result<Answer<'static>, Interrupt> {
     if time.or(window).is_none() {
-        return Ok(Answer::Advance);
+        return Ok(Answer::says(say_advance, 0));
     }
     let advance = wanted_advance(time, window, &main_loop.settings, clamps);
     if !clamps.refuses_line() {

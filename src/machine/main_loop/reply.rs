@@ -13,11 +13,10 @@ use crate::machine::answers::speaker::{Progress, Speaker};
 use crate::machine::hosts::schedule::Report;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
-use crate::machine::numbers::shortest;
 use crate::machine::ports::PortSet;
 use crate::machine::reports::belt_report::report_belt;
 use crate::machine::reports::buzz_report::report_buzz;
-use crate::machine::reports::driver_report::{report_driver, report_driver_values, report_own_driver_values};
+use crate::machine::reports::driver_report::report_driver;
 use crate::machine::reports::fan_report::FanTurns;
 use crate::machine::reports::heat_report::{Temperatures, report_heat, report_tuned};
 use crate::machine::reports::heat_settings_report::report_heat_setting;
@@ -32,7 +31,7 @@ use crate::machine::reports::storage_report::report_storage;
 use crate::machine::state::clamps::Clamps;
 use crate::port::Pend;
 use crate::protocol::{Echo, Owed, Replies};
-use crate::settings::{Settings, ranges};
+use crate::settings::Settings;
 use crate::storage::is_present;
 use crate::units::Instant;
 
@@ -127,19 +126,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             Answer::Temperatures => to.say(format_args!("ok {temperatures}")),
             Answer::Heating(None) => to.say(format_args!(" {temperatures} W:?")),
             Answer::Heating(Some(missing)) => to.say(format_args!(" {temperatures} W:{missing}")),
-            Answer::NoRise(heater) => {
-                let name = heater.name();
-                to.say(format_args!(
-                    "echo:{name} does not get warmer; the print ends if this continues. M108 ends \
-                    this wait"
-                ));
-            }
-            Answer::NoHeater(heater) => to.say(format_args!("echo:no {} configured, ignored", heater.name())),
             Answer::NoHeat(code, fault) => to.say(format_args!("echo:{code} ignored: {fault}")),
-            // P is read into a byte, so this one stands for every greater number, too.
-            Answer::NoFan(u8::MAX) => to.say(format_args!("echo:M106 ignored: there is no fan of that number")),
-            Answer::NoFan(fan) => to.say(format_args!("echo:M106 ignored: there is no fan {fan}")),
-            Answer::NotCommanded(fan) => to.say(format_args!("echo:fan {fan} is not commanded")),
             Answer::HeatSetting(setting) => report_heat_setting(to, setting, &s.thermal),
             Answer::TuningCycle(heater, done) => to.say(format_args!("echo:{}: {done} cycles done", heater.name())),
             Answer::Tuned(heater, tuned) => report_tuned(to, heater, &tuned),
@@ -150,8 +137,6 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             Answer::Line(line) => to.say(format_args!("{line}")),
             Answer::Action(action) => to.say(format_args!("{action}")),
             Answer::Message(form, text) => to.say(format_args!("{}", Message { form, text })),
-            Answer::Advance => to.say(format_args!("echo:Advance K={}", shortest(s.advance.time))),
-            Answer::FeedPercent => to.say(format_args!("FR:{}%", motion.feed_percent())),
             // Marlin's words (language.h, STR_SD_OPEN_FILE_FAIL).
             Answer::NoCard(name) => {
                 let name = Echo(name);
@@ -186,22 +171,9 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
                 let driver = Part::Driver.name();
                 to.say(format_args!("echo:{code} ignored: there is no {driver} {number}"));
             }
-            Answer::OneBelt(code) => {
-                to.say(format_args!("echo:{code} ignored: X and Y move one belt and need the same value"));
-            }
             Answer::SharedMotors(axes) => {
                 to.say(format_args!("echo:M92 ignored: {axes} share motors and need the same value"));
             }
-            Answer::LoweredSpeeds => {
-                let most = ranges::STEP_RATE.whole();
-                to.say(format_args!("echo:M92 lowered speed limits, a motor steps {most} times a second at most"));
-            }
-            Answer::TooMuchFilament => {
-                let most = s.axes.e.length.to_num::<i32>();
-                to.say(format_args!("echo:E left out: more than {most} mm of filament in one move"));
-            }
-            Answer::DriverValues(value) => report_driver_values(to, value, s),
-            Answer::OwnDriverValues(value) => report_own_driver_values(to, value, s),
             Answer::Driver(motor, reading) => report_driver(to, (motor, reading), power.drivers(), s),
             Answer::Belt(answer) => report_belt(to, &answer, trimming, s),
             Answer::Buzz(answer) => report_buzz(to, &answer, s),

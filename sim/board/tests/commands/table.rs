@@ -131,7 +131,6 @@ pub const ROWS: &[Row] = &[
         &["echo:M900 ignored: K30 is out of range (0 to 4), stays 0; K is in seconds (Linear Advance 1.5); *"],
     ),
     ("M572 W9", &["echo:M572 ignored: W9 is out of range (0.005 to 0.2), stays 0.012"]),
-    ("M913 X-5", &["echo:M913 ignored: X-5 is out of range (0 to 3000), stays 0"]),
     ("STEPPER_BUZZ STEPPER=m1", &["echo:m1 moved 1.000 mm to and fro; held: m4 m11; free: m8; home again"]),
     ("STEPPER_BUZZ STEPPER=m4 FREE=m8", &["echo:m4 moved 1.000 mm to and fro; held: m1 m11; free: m8; home again"]),
     ("STEPPER_BUZZ STEPPER=z2", &["echo:z2 moved 1.000 mm to and fro; held: z1; free: none; home again"]),
@@ -164,7 +163,6 @@ pub const ROWS: &[Row] = &[
         &["echo:TEST_RESONANCES ignored: FREQ_START=1 is out of range (5 to 150), stays 5"],
     ),
     ("M915 D", &["echo:nothing to compare with: align the belt motors first (M915)"]),
-    ("M914 X300", &["echo:M914 ignored: X300 is out of range (0 to 255), stays 0"]),
     (
         "SET_VELOCITY_LIMIT ACCEL=0",
         &["echo:SET_VELOCITY_LIMIT ignored: ACCEL=0 is out of range (1 to 100000), stays 3000"],
@@ -240,7 +238,6 @@ pub const ROWS: &[Row] = &[
     ("M84 X Y E", SILENCE),
     ("M84 S0", SILENCE),
     ("M569 S1 X", SILENCE),
-    ("M906 X800", SILENCE),
     ("M907 E500", SILENCE),
     // Heaters, which this machine lacks.
     ("M104 S200", HEATERS),

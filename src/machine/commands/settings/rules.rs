@@ -6,6 +6,8 @@
 use crate::connectors::Heater;
 use crate::gcode::{Number, PlainWords};
 use crate::machine::answers::answer::Answer;
+use crate::machine::answers::says::Facts;
+use crate::machine::answers::speaker::Speaker;
 use crate::machine::commands::heating::model_of;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::modal::Modal;
@@ -101,7 +103,12 @@ fn check_resolutions(_: &PlainWords, s: &mut Settings, _: &mut Notices) -> Endin
         axis.max_speed = axis.max_speed.min(most);
     }
     s.motor_max_speed = s.motor_max_speed.min(x.min(y));
-    if speeds(s) == before { Ending::Done } else { Ending::Remark(Answer::LoweredSpeeds) }
+    if speeds(s) == before { Ending::Done } else { Ending::Remark(Answer::says(say_lowered, 0)) }
+}
+
+fn say_lowered(to: &mut Speaker<'_>, _: &Facts<'_>) {
+    let most = ranges::STEP_RATE.whole();
+    to.say(format_args!("echo:M92 lowered speed limits, a motor steps {most} times a second at most"));
 }
 
 /// M205: J sets junction deviation. A jerk of X or Y without J is a square-corner velocity, because a corner of 90

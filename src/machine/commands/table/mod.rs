@@ -12,9 +12,11 @@ mod auto_reports;
 mod cold_extrusion;
 mod controller_fan;
 mod debug_flags;
+mod driver_current;
 mod fan_turns;
 mod flow_percent;
 mod home_offsets;
+mod hybrid_threshold;
 mod inches;
 mod plane;
 mod position;
@@ -26,6 +28,7 @@ mod recovery;
 mod retraction;
 mod screw_place;
 mod soft_endstops;
+mod stall_threshold;
 
 use super::states::States;
 use crate::gcode::{self, Command, Example, Line, OwnCommand, OwnEntry, OwnRow, parse_with};
@@ -51,9 +54,11 @@ list! {
     cold_extrusion,
     controller_fan,
     debug_flags,
+    driver_current,
     fan_turns,
     flow_percent,
     home_offsets,
+    hybrid_threshold,
     inches,
     plane,
     position,
@@ -65,6 +70,7 @@ list! {
     retraction,
     screw_place,
     soft_endstops,
+    stall_threshold,
 }
 
 /// Carries out a command, and returns its answer.
