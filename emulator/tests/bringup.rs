@@ -27,7 +27,7 @@ const HOTEND: &str = "[heaters.hotend]\nis_fitted = true\n[heaters.hotend.model]
 /// The command, which is an example of this crate and is built with its tests.
 fn command() -> PathBuf {
     let program = std::env::current_exe().unwrap();
-    let command = program.parent().and_then(Path::parent).unwrap().join("examples/corehbot");
+    let command = program.parent().and_then(Path::parent).unwrap().join("examples/command_for_emulator");
     assert!(command.exists(), "{} is built with all tests of this crate", command.display());
     command
 }

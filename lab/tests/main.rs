@@ -24,7 +24,7 @@ fn ask(words: &str) -> Output {
 /// The command, which is an example of this package and is built with its tests.
 fn corehbot(words: &str) -> Output {
     let program = std::env::current_exe().unwrap();
-    let command = program.parent().and_then(Path::parent).unwrap().join("examples/corehbot");
+    let command = program.parent().and_then(Path::parent).unwrap().join("examples/command_for_lab");
     assert!(command.exists(), "{} is built with all tests of this package", command.display());
     Command::new(command).args(words.split_whitespace()).output().unwrap()
 }

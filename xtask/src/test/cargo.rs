@@ -150,7 +150,11 @@ mod tests {
         let all = features(&[&whole, &WITH_PROCESSOR[..1]].concat());
         let [xtask, command, emulator] = ["xtask", "corehbot-cli", EMULATOR].map(|name| format!("--package={name}"));
         let programs = "--edges=normal,build";
+        // A plain `cargo test`, in the words of the workspace's manifest.
+        let by_default = ["corehbot", "corehbot-cli", "corehbot-machine-file", "corehbot-report"];
+        let by_default = by_default.map(|name| format!("--package={name}"));
         for built in [
+            by_default.iter().map(String::as_str).chain(["--edges=normal,build,dev"]).collect(),
             vec![xtask.as_str(), programs],
             vec![xtask.as_str(), &command, programs],
             vec![emulator.as_str(), WITH_PROCESSOR[0], programs],
