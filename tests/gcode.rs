@@ -135,6 +135,12 @@ fn line() -> impl Strategy<Value = String> {
     )
 }
 
+/// Reproducer: rubbish that stands alone, with a letter in it.
+#[test]
+fn rubbish_hides_the_letters_in_it() {
+    bodies::gcode(b"M114 I -..5-  )r.zS4 y-3(~:YR+3 Y -+- ");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
 

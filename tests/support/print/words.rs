@@ -7,7 +7,16 @@ use corehbot::gcode::{AxisFlags, AxisWords, Number, ParkWords, VelocityWords};
 
 /// A line of letters and numbers with the last word of each letter, without comments and texts in quotes.
 pub fn reduced(f: &mut Formatter<'_>, line: &[u8]) -> fmt::Result {
-    let text = String::from_utf8_lossy(line).to_ascii_uppercase();
+    // The bytes of a no-break space are blanks, and all others beyond ASCII are rubbish.
+    let is_space = |byte: &u8| matches!(byte, b' ' | b'\t' | 0xC2 | 0xA0);
+    let plain = |byte: &u8| match byte {
+        byte if is_space(byte) => ' ',
+        byte if byte.is_ascii() => char::from(byte.to_ascii_uppercase()),
+        _ => '?',
+    };
+    let text: String = line.iter().map(plain).collect();
+    let is_blank = |c: char| matches!(c, ' ' | ';' | '(' | '"');
+    let until_blank = |text: &'_ str| text.find(is_blank).unwrap_or(text.len());
     let (mut words, mut rest) = (Vec::<(char, String)>::new(), text.as_str());
     while let Some(first) = rest.chars().next() {
         let after = &rest[first.len_utf8()..];
@@ -16,22 +25,23 @@ pub fn reduced(f: &mut Formatter<'_>, line: &[u8]) -> fmt::Result {
             '(' => after.split_once(')').map_or("", |(_, after)| after),
             '"' => after.split_once('"').map_or("", |(_, after)| after),
             'A'..='Z' => {
-                let number = after.trim_start();
+                let number = after.trim_start_matches(' ');
                 let end = number
                     .find(|c: char| !matches!(c, '0'..='9' | '.' | '+' | '-' | ':' | ','))
                     .unwrap_or(number.len());
                 let (number, after) = number.split_at(end);
                 // Rubbish that is glued to a word ends at the next blank.
-                let is_blank = |c: char| c.is_whitespace() || matches!(c, ';' | '(' | '"');
                 let is_rubbish = after.starts_with(|c: char| !is_blank(c) && !c.is_ascii_alphabetic());
-                let after = if is_rubbish { &after[after.find(is_blank).unwrap_or(after.len())..] } else { after };
+                let after = if is_rubbish { &after[until_blank(after)..] } else { after };
                 // The code stays in front.
                 let place = words.iter().skip(1).position(|(letter, _)| *letter == first);
                 place.map(|place| words.remove(place + 1));
                 words.push((first, number.to_owned()));
                 after
             }
-            _ => after,
+            ' ' => after,
+            // So does rubbish that stands alone.
+            _ => &after[until_blank(after)..],
         };
     }
     let words: Vec<_> = words.into_iter().map(|(letter, number)| format!("{letter}{number}")).collect();
