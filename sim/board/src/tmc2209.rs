@@ -291,11 +291,6 @@ impl Tmc2209 {
         self.stubborn.push((address, value));
     }
 
-    /// It answers truly again.
-    pub fn answer_truly(&mut self) {
-        self.stubborn.clear();
-    }
-
     /// Whether it has truly answered since its registers were last lost, so that the firmware could know of it.
     #[must_use]
     pub const fn has_spoken(&self) -> bool {

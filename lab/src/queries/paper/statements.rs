@@ -37,12 +37,6 @@ impl Statement {
     pub fn text(&self, value: f64) -> String {
         corehbot_twin::queries::shown(value, self.decimals)
     }
-
-    /// Whether both numbers are the same at their decimals.
-    #[must_use]
-    pub fn is_confirmed(&self) -> bool {
-        self.text(self.printed) == self.text(self.ours)
-    }
 }
 
 /// The machine of the paper's table 2 with a head that is a point, as the paper has H-bot and CoreXY.
