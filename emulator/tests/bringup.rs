@@ -48,6 +48,9 @@ const NOISE_KELVIN: f64 = 0.5;
 /// tests on a slow computer make a minute of them.
 const PATIENCE: &str = "120";
 
+/// The same where the board is switched off in the middle and the test waits for as long.
+const SHORT_PATIENCE: &str = "40";
+
 const STEPS: [&str; 11] = [
     "The board answers",
     "Supply voltages",
@@ -122,10 +125,14 @@ impl Printer {
     }
 
     /// Leads through the guide. `owner` gets the key of each question, and a hand; its answer is a line.
-    fn lead(&self, args: &[&str], mut owner: impl FnMut(&str, &dyn Fn(&str)) -> String) -> Led {
+    fn lead(&self, args: &[&str], owner: impl FnMut(&str, &dyn Fn(&str)) -> String) -> Led {
+        self.lead_with(PATIENCE, args, owner)
+    }
+
+    fn lead_with(&self, patience: &str, args: &[&str], mut owner: impl FnMut(&str, &dyn Fn(&str)) -> String) -> Led {
         let mut guide = Command::new(command());
         guide.arg("bringup").arg(self.folder.join("printer")).arg("--report").arg(self.folder.join("r.md"));
-        guide.args(["--patience", PATIENCE, "--machine"]).arg(self.folder.join("m.toml")).args(args);
+        guide.args(["--patience", patience, "--machine"]).arg(self.folder.join("m.toml")).args(args);
         let mut guide = guide.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
         let (mut out, mut said) = (guide.stdin.take().unwrap(), String::new());
         for line in BufReader::new(guide.stdout.take().unwrap()).lines().map_while(Result::ok) {
@@ -244,7 +251,7 @@ fn the_report_names_what_is_wired_wrongly() {
 fn a_guide_goes_on_after_a_reset_and_after_a_power_cut() {
     let mut printer = Printer::new(COREXY, &[], &[]);
     let mut has_reset = false;
-    let led = printer.lead(&[], |key, hand| {
+    let led = printer.lead_with(SHORT_PATIENCE, &[], |key, hand| {
         match key {
             "sensors hotend" => hand("warm hotend"),
             "endstops press x" | "endstops press y" | "endstops press z" => hand(&key["endstops ".len()..]),
