@@ -2,7 +2,7 @@
 //!
 //! | part of a file | is |
 //! |---|---|
-//! | `ENTRY` | its codes, the rules for their words, its line of docs/reference/gcode.md, and examples with their answers |
+//! | `ENTRY` | codes, rules for words, the line of docs/reference/gcode.md, and examples with their answers |
 //! | `carry_out` | its effect, at once; the result is its answer |
 //!
 //! Words of an answer are functions in the same file ([`Says`](crate::machine::answers::says::Says)). A command that
