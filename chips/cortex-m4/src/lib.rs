@@ -3,9 +3,16 @@
 //! Linking this crate provides the critical sections of `masking`: they do not mask priority 0, which is the step
 //! interrupt's. All other interrupts have a priority of 0x40 or more.
 //!
-//! `unsafe` stays in `handover` and `masking`, which are small for that reason.
+//! It also provides copies and divisions, which the compiler calls, for those of `compiler_builtins` (`copies`,
+//! `division`).
+//!
+//! `unsafe` stays in `division`, `handover` and `masking`, which are small for that reason, and assembly in `copies`.
 #![cfg_attr(target_os = "none", no_std)]
 
+#[cfg(target_os = "none")]
+mod copies;
+#[cfg(any(test, target_os = "none"))]
+mod division;
 #[cfg(target_os = "none")]
 mod handover;
 #[cfg(target_os = "none")]

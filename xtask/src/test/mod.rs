@@ -4,6 +4,7 @@
 //! itself. Lanes of steps go on side by side (see [`lane`]).
 
 mod cargo;
+mod copies;
 mod demand;
 mod doc_tests;
 mod exchanges;
@@ -85,7 +86,7 @@ const NAMED: usize = 10;
 const TOOLS: &str = "tools";
 
 /// In each lane in this order, as quick steps should fail first.
-const STEPS: [Step; 19] = [
+const STEPS: [Step; 20] = [
     Step { name: TOOLS, lane: First, heading: "target, lints and emulator are there", run: tools::ensure },
     Step { name: "format", lane: First, heading: "rustfmt has nothing to change", run: cargo::format },
     Step { name: "build", lane: First, heading: "programs and tests of this computer build", run: cargo::build },
@@ -111,6 +112,7 @@ const STEPS: [Step; 19] = [
     Step { name: "clients", lane: Outside, heading: "printcore and OctoPrint print on it", run: clients::check },
     Step { name: "boards", lane: Images, heading: "core and boards are linted and build", run: cargo::build_boards },
     Step { name: "size", lane: Images, heading: "the images keep their budgets", run: size::check },
+    Step { name: "copies", lane: Images, heading: "QEMU copies memory as it is written", run: copies::check },
     Step { name: "qemu", lane: Images, heading: "QEMU steps as the simulator does", run: compare::check },
     Step { name: "exchange", lane: Images, heading: "QEMU answers hosts as it is written", run: exchanges::check },
     Step { name: "halt", lane: Images, heading: "QEMU stops at M112 within a millisecond", run: halt::check },

@@ -39,6 +39,11 @@ pub struct Job {
     pub trace: File,
 }
 
+/// Whether that word is on the command line in place of a job.
+pub fn is_asked_for(asked: &str) -> bool {
+    env::args::<LINE>().is_ok_and(|line| (&line).skip(1).any(|word| word == Ok(asked)))
+}
+
 /// Reads the job. There is nothing to run without one, so each failure ends the run.
 pub fn read() -> Job {
     let Ok(line) = env::args::<LINE>() else { give_up(format_args!("no command line of at most {LINE} bytes")) };

@@ -13,6 +13,7 @@
 
 mod console_waker;
 mod contexts;
+mod copies;
 mod fault;
 mod idle;
 mod irq;
@@ -43,6 +44,9 @@ static PARTS: StaticCell<contexts::BoardParts> = StaticCell::new();
 
 #[cortex_m_rt::entry]
 fn main() -> ! {
+    if job::is_asked_for(copies::ASKED) {
+        copies::check();
+    }
     let status = start_up();
     defmt::info!("ready; stack: {} of {} bytes used", stack::used(), stack::size());
     stack::forget();
