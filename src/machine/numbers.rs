@@ -60,9 +60,12 @@ pub(in crate::machine) struct Thousandths(pub Mm);
 impl fmt::Display for Thousandths {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let bits = self.0.to_bits();
-        let thousandths = (bits.unsigned_abs() as u128 * 1000 + (1 << 31)) >> 32;
-        let sign = if bits < 0 && thousandths > 0 { "-" } else { "" };
-        write!(f, "{sign}{}.{:03}", (thousandths / 1000) as u64, (thousandths % 1000) as u64)
+        // Millimetres and the thousandths behind the point, each of 32 bits.
+        let (mm, fraction) = ((bits.unsigned_abs() >> 32) as u32, bits.unsigned_abs() & 0xFFFF_FFFF);
+        let thousandths = ((fraction * 1000 + (1 << 31)) >> 32) as u32;
+        let (mm, thousandths) = if thousandths < 1000 { (mm, thousandths) } else { (mm + 1, 0) };
+        let sign = if bits < 0 && (mm, thousandths) != (0, 0) { "-" } else { "" };
+        write!(f, "{sign}{mm}.{thousandths:03}")
     }
 }
 

@@ -56,8 +56,11 @@ impl Mul<StepsPerMm> for Mm {
 
     #[inline(always)]
     fn mul(self, resolution: StepsPerMm) -> Steps {
-        let wide = i128::from(self.to_bits()) * i128::from(resolution.to_bits());
-        Steps::from_bits((wide >> StepsPerMm::FRAC_NBITS) as i64)
+        // In two halves, which need no product of 128 bits.
+        let (bits, times) = (self.to_bits(), i64::from(resolution.to_bits()));
+        let upper = ((bits >> 32) * times) << (32 - StepsPerMm::FRAC_NBITS);
+        let lower = ((bits & 0xFFFF_FFFF) as u64 * times as u64) >> StepsPerMm::FRAC_NBITS;
+        Steps::from_bits(upper.wrapping_add(lower as i64))
     }
 }
 

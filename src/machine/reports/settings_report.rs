@@ -131,7 +131,8 @@ fn report_space(to: &mut Speaker<'_>, s: &Settings) {
         to.remark(format_args!("aligned at a phase of {phase}/1024 of an electrical turn"));
     }
     if is_closed {
-        let (speed, acceleration, advance) = (shortest(max_speed), max_acceleration, exact(homing_advance));
+        let (speed, acceleration) = (shortest(max_speed), shortest(max_acceleration));
+        let advance = exact(homing_advance);
         to.remark(format_args!(
             "closed belt: C up to {speed} mm/s, {acceleration} mm/s2; it runs on by {advance} mm after homing"
         ));
