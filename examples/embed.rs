@@ -109,7 +109,7 @@ fn main() {
     // The tool stands at the origin, as if homed.
     let start = Some([Mm::ZERO; 3]);
     let Parts { mut stepper, mut generator, mut console, status, counts, .. } =
-        assemble(&mut memory, settings, start, step_ports, NoHeaters, ports, board);
+        assemble(&mut memory, &settings, start, step_ports, NoHeaters, ports, board);
     let mut console = std::pin::pin!(console.run());
     let mut context = Context::from_waker(Waker::noop());
 

@@ -55,19 +55,19 @@ pub fn assemble<
     W: Pend + Copy,
 >(
     memory: &'m mut Memory,
-    settings: Settings,
+    settings: &'m Settings,
     start: Option<[Mm; 3]>,
     step_ports: StepPorts<P, C>,
     thermal_port: H,
     ports: Ports<S, D, K, T, A>,
     pend: W,
 ) -> Parts<'m, P, C, Ports<S, D, K, T, A>, H, W> {
-    let Kits { stepper, generator, thermal, console, status, counts } = Kits::new(memory, &settings, pend);
+    let Kits { stepper, generator, thermal, console, status, counts } = Kits::new(memory, settings, pend);
     Parts {
         stepper: stepper.make(step_ports, pend),
         generator: generator.make(),
-        thermal: thermal.make(&settings, thermal_port, pend),
-        console: console.make(&settings, start, ports),
+        thermal: thermal.make(settings, thermal_port, pend),
+        console: console.make(settings, start, ports),
         status,
         counts,
     }

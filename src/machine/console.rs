@@ -61,7 +61,7 @@ where
 {
     /// A Console of a machine with these groups of motors that stands at `start` if that is known, as if homed.
     pub fn new(
-        settings: &Settings,
+        settings: &'m Settings,
         start: Option<[Mm; 3]>,
         memory: &'m mut MoveMemory,
         orders: Orders<'m>,

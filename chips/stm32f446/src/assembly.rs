@@ -33,7 +33,7 @@ pub struct Handles {
 /// Puts the machine together.
 #[inline(never)]
 pub fn assemble(
-    settings: &Settings,
+    settings: &'static Settings,
     step_ports: StepPorts<StepPins, StepTimer>,
     heat: BoardHeat,
     ports: BoardPorts,
@@ -59,6 +59,10 @@ fn make_thermal(kit: ThermalKit<'static>, settings: &Settings, heat: BoardHeat) 
 }
 
 #[inline(never)]
-fn make_console(kit: ConsoleKit<'static, IrqPend>, settings: &Settings, ports: BoardPorts) -> &'static mut Console {
+fn make_console(
+    kit: ConsoleKit<'static, IrqPend>,
+    settings: &'static Settings,
+    ports: BoardPorts,
+) -> &'static mut Console {
     CONSOLE.init_with(|| kit.make(settings, None, ports))
 }

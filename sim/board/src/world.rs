@@ -156,7 +156,7 @@ impl<'w> World<'w> {
     /// A machine that stands at `start` (x, y, z) as if homed, or somewhere, and has just been switched on.
     pub fn new(
         desk: &'w mut Desk,
-        settings: &Settings,
+        settings: &'w Settings,
         start: Option<[Mm; 3]>,
         storage: impl Storage + 'w,
         drivers: &'w Drivers,
@@ -168,7 +168,7 @@ impl<'w> World<'w> {
     /// The same with a tool that stands at `place`, whatever the firmware knows of it.
     pub fn standing(
         desk: &'w mut Desk,
-        settings: &Settings,
+        settings: &'w Settings,
         place: Option<[Mm; 3]>,
         start: Option<[Mm; 3]>,
         storage: impl Storage + 'w,
@@ -180,7 +180,7 @@ impl<'w> World<'w> {
 
     fn switched_on(
         desk: &'w mut Desk,
-        settings: &Settings,
+        settings: &'w Settings,
         place: Option<[Mm; 3]>,
         start: Option<[Mm; 3]>,
         storage: AnyStorage<'w>,
@@ -236,7 +236,7 @@ impl<'w> World<'w> {
         let plant = heat.truth.as_ref().map_or_else(|| Heat::new(settings), |truth| Heat::with(settings, truth));
         let plant = plant.standing_on(left.take().map(|plant| *plant));
         let Parts { stepper, generator, thermal, mut console, status, counts } =
-            assemble(memory, *settings, start, step_ports, plant, ports, Pends(shared));
+            assemble(memory, settings, start, step_ports, plant, ports, Pends(shared));
         if let Some(mesh) = mesh {
             console.lay_mesh(mesh);
         }

@@ -10,7 +10,7 @@ use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::surface::set_mesh;
 use crate::machine::ports::PortSet;
 use crate::port::Pend;
-use crate::settings::{MeshSettings, Settings, ranges};
+use crate::settings::ranges;
 use crate::storage::StoredMesh;
 use crate::surface::{Heights, Mesh, MeshError, UNITS_PER_MM};
 use crate::units::Mm;
@@ -29,8 +29,7 @@ pub(super) async fn use_mesh<P: PortSet, W: Pend>(
     on: bool,
 ) -> Result<(), Interrupt> {
     main_loop.finish().await?;
-    let wanted = Settings { mesh: MeshSettings { is_on: on, ..main_loop.settings.mesh }, ..*main_loop.settings };
-    main_loop.live_settings().set_plain(&wanted);
+    main_loop.live_settings().set_mesh_on(on);
     let mesh = main_loop.bed.mesh().map(|stored| stored.mesh);
     set_mesh(main_loop, mesh.as_ref()).await
 }
@@ -54,9 +53,7 @@ pub(super) async fn level<P: PortSet, W: Pend>(
             clamps.length_of(&states.modal, ["M420", "Z"], fade, ranges::MESH_FADE, Some(old))
         };
         let Some(fade) = fade else { return Ok(Answer::Nothing) };
-        let mut wanted = *main_loop.settings;
-        wanted.mesh.fade = fade;
-        main_loop.live_settings().set_plain(&wanted);
+        main_loop.live_settings().set_fade(fade);
     }
     if let Some(known) = main_loop.bed.mesh().copied()
         && (centres || known.mesh.fade() != main_loop.settings.mesh.fade)

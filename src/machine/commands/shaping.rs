@@ -122,7 +122,7 @@ pub(in crate::machine) async fn change_shapers<P: PortSet, W: Pend>(
     wanted.shapers = shapers;
     if !clamps.refuses_line() && wanted.shapers != main_loop.settings.shapers {
         main_loop.finish().await?;
-        main_loop.use_settings(wanted).await?;
+        main_loop.use_settings(&wanted).await?;
     }
     Ok(Answer::Nothing)
 }

@@ -98,7 +98,7 @@ pub(in crate::machine) struct MainLoop<'m, P: PortSet, W: Pend> {
     pub stream: PausedStream,
     /// The wait of the present command.
     pub pauses: Pauses,
-    pub settings: SettingsInUse,
+    pub settings: SettingsInUse<'m>,
     pub motion: Motion<'m, W>,
     /// Where the program has sent the tool.
     pub commanded: Commanded,
@@ -146,7 +146,7 @@ where
     /// The main loop of a machine with these groups of motors. If `start` is known, the machine stands there as if
     /// homed.
     pub fn new(
-        settings: &Settings,
+        settings: &'m Settings,
         start: Option<[Mm; 3]>,
         memory: &'m mut MoveMemory,
         orders: Orders<'m>,
@@ -162,7 +162,7 @@ where
             job: Job::new(),
             stream: PausedStream::new(),
             pauses: Pauses::new(),
-            settings: SettingsInUse::new(*settings, now),
+            settings: SettingsInUse::new(settings, now),
             motion: Motion::new(link, memory, groupings, settings, [x, y, z, Mm::ZERO]),
             commanded: Commanded::new([x, y, z], settings.home_offsets()),
             homed: Homed::new([start.is_some(); 3]),

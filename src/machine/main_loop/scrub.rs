@@ -106,8 +106,7 @@ mod tests {
     const LEGAL: fn(&mut Machine<'_>) = |c| now(c).print_acceleration = MmPerSec2::ONE;
 
     fn now<'c>(c: &'c mut Machine<'_>) -> &'c mut Kept<Settings> {
-        let [now, _] = c.settings.both_mut();
-        now
+        c.settings.now_mut()
     }
 
     #[test]
@@ -118,8 +117,9 @@ mod tests {
             |c| now(c).damage().soft_endstops ^= true,
             |c| now(c).damage().mechanism.rows[0][0] ^= 2,
             |c| {
-                let [_, made_with] = c.settings.both_mut();
-                made_with.damage().homing.z.fast += MmPerSec::DELTA;
+                let mut damaged = *c.settings.defaults();
+                damaged.homing.z.fast += MmPerSec::DELTA;
+                c.settings.damage_made_with(Box::leak(Box::new(damaged)));
             },
             // The planner's values derived from the settings, here from wrong ones.
             |c| {

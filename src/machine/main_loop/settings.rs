@@ -13,12 +13,12 @@
 //! So no command holds `&mut Settings`: it could change the size of a step while moves wait.
 
 use super::MainLoop;
-use crate::kinematics::Residuals;
+use crate::kinematics::{Residuals, SCREWS};
 use crate::machine::numbers::to_thousandth;
 use crate::machine::ports::PortSet;
 use crate::machine::state::program::Dynamics;
 use crate::port::Pend;
-use crate::settings::{Advance, Belt, DriverGroups, Kept, Settings, ThermalSettings, ZStore};
+use crate::settings::{Advance, Belt, DriverGroups, Kept, Screw, Settings, ThermalSettings, ZStore, sum};
 use crate::units::{Instant, Mm};
 use core::ops::Deref;
 use fixed::types::I32F32;
@@ -30,14 +30,16 @@ const SCRUB_MS: u32 = 500;
 const REST_BITS: u64 = 1 << 12;
 
 /// The settings, and those that the machine was made with.
-pub(in crate::machine) struct SettingsInUse {
+pub(in crate::machine) struct SettingsInUse<'m> {
     now: Kept<Settings>,
-    made_with: Kept<Settings>,
+    /// Those that the machine was made with, where the board has them, and their sum.
+    made_with: &'m Settings,
+    sum: u32,
     /// When the next scrub is due.
     scrub_due: Instant,
 }
 
-impl Deref for SettingsInUse {
+impl Deref for SettingsInUse<'_> {
     type Target = Settings;
 
     fn deref(&self) -> &Settings {
@@ -45,14 +47,14 @@ impl Deref for SettingsInUse {
     }
 }
 
-impl SettingsInUse {
-    pub(super) fn new(settings: Settings, now: Instant) -> Self {
-        Self { now: Kept::new(settings), made_with: Kept::new(settings), scrub_due: now }
+impl<'m> SettingsInUse<'m> {
+    pub(super) fn new(settings: &'m Settings, now: Instant) -> Self {
+        Self { now: Kept::new(*settings), made_with: settings, sum: sum(settings), scrub_due: now }
     }
 
     /// The settings that the machine was made with.
-    pub fn defaults(&self) -> &Settings {
-        &self.made_with
+    pub const fn defaults(&self) -> &'m Settings {
+        self.made_with
     }
 
     /// The residuals of the motors of x and y: the ways in which they can strain the belt.
@@ -126,13 +128,19 @@ impl SettingsInUse {
 
     /// Whether they are unchanged since they were set.
     pub(super) fn is_whole(&self) -> bool {
-        self.now.is_whole() && self.made_with.is_whole()
+        self.now.is_whole() && sum(self.made_with) == self.sum
     }
 
-    /// Both, for changes that are none of these ways.
+    /// Those in use, for changes that are none of these ways.
     #[cfg(test)]
-    pub(super) const fn both_mut(&mut self) -> [&mut Kept<Settings>; 2] {
-        [&mut self.now, &mut self.made_with]
+    pub(super) const fn now_mut(&mut self) -> &mut Kept<Settings> {
+        &mut self.now
+    }
+
+    /// Those that the machine was made with become these, without another sum.
+    #[cfg(test)]
+    pub(super) const fn damage_made_with(&mut self, damaged: &'m Settings) {
+        self.made_with = damaged;
     }
 }
 
@@ -156,6 +164,21 @@ impl LiveSettings<'_> {
     /// Takes the settings of a line that has changed plain ones without an owner.
     pub fn set_plain(&mut self, wanted: &Settings) {
         **self.0 = *wanted;
+    }
+
+    /// Has z follow the mesh, or not.
+    pub fn set_mesh_on(&mut self, is_on: bool) {
+        self.0.mesh.is_on = is_on;
+    }
+
+    /// Sets the height at which the mesh has faded out.
+    pub fn set_fade(&mut self, fade: Mm) {
+        self.0.mesh.fade = fade;
+    }
+
+    /// Sets the screws of z.
+    pub fn set_screws(&mut self, screws: [Screw; SCREWS]) {
+        self.0.screws = screws;
     }
 
     /// Turns the soft endstops on or off.

@@ -15,15 +15,12 @@ use super::MainLoop;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::ports::PortSet;
 use crate::port::Pend;
-use crate::settings::{MeshSettings, Settings};
 use crate::surface::Mesh;
 
 /// Before the first turn: the bed has this mesh, and z is to follow it.
 pub(in crate::machine) fn lay_mesh<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, mesh: &Mesh) {
     main_loop.motion.set_mesh(Some(mesh));
-    let wanted = MeshSettings { is_on: true, ..main_loop.settings.mesh };
-    let wanted = Settings { mesh: wanted, ..*main_loop.settings };
-    main_loop.live_settings().set_plain(&wanted);
+    main_loop.live_settings().set_mesh_on(true);
 }
 
 /// Has another mesh of the bed, or none. The settings say whether z follows it.

@@ -17,19 +17,17 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     ///
     /// [`AdvanceInUse`]: crate::machine::state::advance_in_use::AdvanceInUse
     pub async fn use_advance(&mut self, advance: Advance) -> Result<(), Interrupt> {
-        if self.needs_rest(advance) {
+        // Not a struct with a base, which would be copied field by field.
+        let mut wanted = *self.settings;
+        wanted.advance = advance;
+        if self.motion.needs_rest(&self.settings, &wanted) {
             self.finish().await?;
-            self.use_settings(Settings { advance, ..*self.settings }).await
+            self.use_settings(&wanted).await
         } else {
             self.motion.close_line(&self.settings);
             self.settings.replace_advance(advance);
             Ok(())
         }
-    }
-
-    #[inline(never)]
-    fn needs_rest(&self, advance: Advance) -> bool {
-        self.motion.needs_rest(&self.settings, &Settings { advance, ..*self.settings })
     }
 
     /// Applies new driver settings. The drivers get them in the background.
@@ -55,8 +53,9 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.until(|c| c.power.is_configured()).await
     }
 
-    /// Takes over other settings, at rest: a step must not change its size under way.
-    pub async fn use_settings(&mut self, wanted: Settings) -> Result<(), Interrupt> {
+    /// Takes over other settings, at rest: a step must not change its size under way. By reference: a future would hold
+    /// them twice.
+    pub async fn use_settings(&mut self, wanted: &Settings) -> Result<(), Interrupt> {
         if self.motion.has_motion() {
             self.finish().await?;
         }
@@ -68,7 +67,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         let by_probe = if is_otherwise { Mm::ZERO } else { of_probe.saturating_sub(old_of_probe) };
         let lifted = offset.saturating_sub(old).saturating_add(by_probe);
         let lifted = if is_homed { lifted } else { Mm::ZERO };
-        let is_same = lifted == Mm::ZERO && resolutions(&wanted) == resolutions(&self.settings);
+        let is_same = lifted == Mm::ZERO && resolutions(wanted) == resolutions(&self.settings);
         if is_homed && is_otherwise {
             self.hosts.notify_all(format_args!("echo:Z was homed otherwise than these settings say: home it (G28 Z)"));
         }
@@ -81,16 +80,16 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         let way_of_probe = self.settings.probe.way_to(&wanted.probe);
         self.circulation.rescale(self.settings.axes.x.steps_per_mm, wanted.axes.x.steps_per_mm);
         let before = self.settings.home_offsets();
-        self.settings.replace(&wanted);
+        self.settings.replace(wanted);
         move_origins(self, before);
-        self.power.want(&wanted);
+        self.power.want(wanted);
         self.heat.note_settings();
         if is_same {
             self.follow().await?;
             return self.move_mesh(way_of_probe).await;
         }
         let [.., stood, _] = self.motion.end();
-        self.motion.set_resolution(&wanted);
+        self.motion.set_resolution(wanted);
         self.commanded.sink(lifted);
         self.in_pause(|program| program.commanded.sink(lifted));
         let position = self.motion.to_steps(self.commanded.of_machine(self.commanded.position()));

@@ -29,6 +29,7 @@ use corehbot::app::{self, Memory, StepPorts};
 use corehbot::kinematics::{Groups, MotorTable};
 use corehbot::machine::Ports;
 use corehbot::port::{Lines, NoAccelerometer, NoStorage};
+use corehbot::settings::Settings;
 use corehbot::status::Status;
 use corehbot_rig::Rig;
 use corehbot_rig::bed::BedPlant;
@@ -40,6 +41,7 @@ use static_cell::{ConstStaticCell, StaticCell};
 defmt::timestamp!("{=u64:us}", time::micros());
 
 static MEMORY: ConstStaticCell<Memory> = ConstStaticCell::new(Memory::new());
+static MACHINE: StaticCell<Settings> = StaticCell::new();
 static PARTS: StaticCell<contexts::BoardParts> = StaticCell::new();
 
 #[cortex_m_rt::entry]
@@ -69,6 +71,7 @@ fn main() -> ! {
 #[inline(never)]
 fn start_up() -> &'static Status {
     let job = job::read();
+    let settings: &Settings = MACHINE.init(job.settings);
     let rig = Rig::new(&job.settings, job.start);
     let table = MotorTable::new(&Groups::new(&job.settings.mechanism).coupling());
     let step_ports = StepPorts {
@@ -85,9 +88,8 @@ fn start_up() -> &'static Status {
         accelerometer: NoAccelerometer,
     };
     // In this form the parts are built in their place; they are too large to be carried about.
-    let parts = PARTS.init_with(|| {
-        app::assemble(MEMORY.take(), job.settings, job.start, step_ports, heat, ports, contexts::BoardPend)
-    });
+    let parts = PARTS
+        .init_with(|| app::assemble(MEMORY.take(), settings, job.start, step_ports, heat, ports, contexts::BoardPend));
     if let Some(mesh) = &job.mesh {
         parts.console.lay_mesh(mesh);
     }

@@ -83,7 +83,7 @@ async fn store_machine<P: PortSet, W: Pend>(
     let counts = machine.is_built_as(&main_loop.settings) && main_loop.power.refusal().is_none();
     pieces.is_stored = !counts;
     if counts {
-        main_loop.use_settings(*machine).await?;
+        main_loop.use_settings(machine).await?;
     }
     Ok(Ok((receipt, counts)))
 }

@@ -51,7 +51,7 @@ pub(in crate::machine::commands) async fn set_plain<P: PortSet, W: Pend>(
         Owner::Probe if wanted.probe.offset == main_loop.settings.probe.offset => {}
         Owner::Motors | Owner::Probe => {
             main_loop.finish().await?;
-            main_loop.use_settings(wanted).await?;
+            main_loop.use_settings(&wanted).await?;
         }
     }
     Ok(Answer::Nothing)

@@ -96,8 +96,8 @@ pub(in crate::machine) async fn load_at_start<P: PortSet, W: Pend>(
     if main_loop.power.refusal().is_some() {
         return Ok(Answer::Nothing);
     }
-    if let Some(stored) = survey.newest {
-        main_loop.use_settings(stored.settings).await?;
+    if let Some(stored) = &survey.newest {
+        main_loop.use_settings(&stored.settings).await?;
         main_loop.first_layer.note_stored(&main_loop.settings);
     }
     let mut paced = Paced::new(main_loop);
@@ -176,12 +176,10 @@ async fn take_mesh_along<P: PortSet, W: Pend>(
     if is_of_others != Ok(true) {
         return Ok(());
     }
-    let before = {
-        let Ok(stored) = survey(main_loop).await? else { return Ok(()) };
-        stored.newest.map_or(*main_loop.settings.defaults(), |stored| stored.settings)
-    };
+    let Ok(stored) = survey(main_loop).await? else { return Ok(()) };
+    let before = stored.newest.as_ref().map_or(main_loop.settings.defaults(), |stored| &stored.settings);
     let mut paced = Paced::new(main_loop);
-    let fate = storage::follow_settings(&mut paced, &before, settings).await;
+    let fate = storage::follow_settings(&mut paced, before, settings).await;
     paced.into_result()?;
     let news = match fate {
         Ok(MeshFate::Stays) => return Ok(()),
@@ -206,7 +204,7 @@ pub(in crate::machine) async fn load_settings<P: PortSet, W: Pend>(
         Ok(survey) => survey,
         Err(error) => return Ok(StorageNews::Unchanged(error)),
     };
-    let settings = survey.newest.map_or(*main_loop.settings.defaults(), |stored| stored.settings);
+    let settings = survey.newest.as_ref().map_or(main_loop.settings.defaults(), |stored| &stored.settings);
     main_loop.use_settings(settings).await?;
     main_loop.first_layer.note_stored(&main_loop.settings);
     Ok(StorageNews::loaded(&survey))
@@ -217,7 +215,7 @@ pub(in crate::machine) async fn reset_settings<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<StorageNews, Interrupt> {
     main_loop.finish().await?;
-    main_loop.use_settings(*main_loop.settings.defaults()).await?;
+    main_loop.use_settings(main_loop.settings.defaults()).await?;
     Ok(StorageNews::Defaults)
 }
 

@@ -4,7 +4,7 @@ use super::{Answer, MainLoop, OwnCommand, OwnEntry, Pend, PortSet, States};
 use crate::gcode::{Grammar, Number};
 use crate::kinematics::SCREWS;
 use crate::machine::answers::setting::Setting;
-use crate::settings::{Range, Screw, Settings, WholePlace, ranges};
+use crate::settings::{Range, Screw, WholePlace, ranges};
 use crate::units::Mm;
 
 pub(super) const ENTRY: OwnEntry = OwnEntry::m("Motors and drivers", &[422])
@@ -27,8 +27,7 @@ pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
 ) -> Answer<'a> {
     if command.has(b'R') {
         let screws = main_loop.settings.defaults().screws;
-        let wanted = Settings { screws, ..*main_loop.settings };
-        main_loop.live_settings().set_plain(&wanted);
+        main_loop.live_settings().set_screws(screws);
         return Answer::Nothing;
     }
     let [point, place, x, y] = [b'S', b'W', b'X', b'Y'].map(|letter| command.number(letter));
@@ -40,10 +39,10 @@ pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
             return Answer::Line("echo:M422 ignored: S is a probed point, W a screw; give one of them");
         }
     };
-    let screws = Range { least: 1, most: SCREWS as u16 };
-    let Some(number) = clamps.whole_of(["M422", letter], screw, screws, None) else { return Answer::Nothing };
-    let mut wanted = *main_loop.settings;
-    let Some(screw) = wanted.screws.get_mut(usize::from(number) - 1) else { return Answer::Nothing };
+    let numbers = Range { least: 1, most: SCREWS as u16 };
+    let Some(number) = clamps.whole_of(["M422", letter], screw, numbers, None) else { return Answer::Nothing };
+    let mut screws = main_loop.settings.screws;
+    let Some(screw) = screws.get_mut(usize::from(number) - 1) else { return Answer::Nothing };
     let Screw { place, point } = screw;
     let kept = if letter == "S" { point } else { place };
     let WholePlace { x: old_x, y: old_y } = *kept;
@@ -57,7 +56,7 @@ pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
     };
     if let (Some(x), Some(y)) = (whole("X", x, old_x), whole("Y", y, old_y)) {
         *kept = WholePlace { x, y };
-        main_loop.live_settings().set_plain(&wanted);
+        main_loop.live_settings().set_screws(screws);
     }
     Answer::Nothing
 }
