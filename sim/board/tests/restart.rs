@@ -28,7 +28,8 @@ fn talk(script: &[(usize, &str, u32)]) -> (Vec<[String; 2]>, bool, bool) {
     let mut desk = Desk::new(2);
     let mut sink = Count(&events);
     let start = Some([100, 100, 10].map(Mm::from_num));
-    let mut world = World::new(&mut desk, &Settings::prototype(), start, NoStorage, &drivers, &mut sink);
+    let settings = Settings::prototype();
+    let mut world = World::new(&mut desk, &settings, start, NoStorage, &drivers, &mut sink);
     let mut heard = Vec::new();
     for (host, text, ms) in script {
         match *text {

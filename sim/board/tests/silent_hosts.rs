@@ -24,7 +24,8 @@ enum Fate {
 fn stream(lines: &[&str], fates: &[(usize, Fate)]) -> (Outcome, Vec<String>) {
     let (mut sink, drivers, mut desk) = (Deaf, Drivers::new(), Desk::new(1));
     let start = Some([100, 100, 10].map(Mm::from_num));
-    let mut world = World::new(&mut desk, &Settings::prototype(), start, NoStorage, &drivers, &mut sink);
+    let settings = Settings::prototype();
+    let mut world = World::new(&mut desk, &settings, start, NoStorage, &drivers, &mut sink);
     let minute = 60_000 * u64::from(TICKS_PER_MS);
     let mut fates = fates.to_vec();
     let (mut next, mut first_unsent, mut may_send, mut resumes_at) = (0, 0, true, 0);
