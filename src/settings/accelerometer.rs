@@ -1,13 +1,26 @@
 //! The accelerometer at the tool: its type, and how it is mounted.
 
-use super::rows::{Choice, Chosen, Spec, rows};
-use super::{Cartesian, Settings, ranges};
+use super::rows::{Choice, Spec, numbers, rows};
+use super::{Cartesian, ranges};
 use crate::accelerometer::{Kind, SensorAxis};
 use serde::{Deserialize, Serialize};
 
 impl Choice for Option<Kind> {
     const ALL: &'static [(Self, &'static str)] =
         &[(None, "none"), (Some(Kind::Adxl345), "adxl345"), (Some(Kind::Lis2dw12), "lis2dw12")];
+
+    fn number(self) -> u8 {
+        self.map_or(0, |kind| 1 + kind as u8)
+    }
+
+    fn numbered(number: u8) -> Option<Self> {
+        match number {
+            0 => Some(None),
+            1 => Some(Some(Kind::Adxl345)),
+            2 => Some(Some(Kind::Lis2dw12)),
+            _ => None,
+        }
+    }
 }
 
 impl Choice for SensorAxis {
@@ -19,6 +32,8 @@ impl Choice for SensorAxis {
         (Self::Z, "z"),
         (Self::MinusZ, "-z"),
     ];
+
+    numbers!(X MinusX Y MinusY Z MinusZ);
 }
 
 /// The accelerometer.
@@ -39,32 +54,24 @@ impl AccelerometerSettings {
     }
 }
 
-fn parts(s: &mut Settings) -> [&mut AccelerometerSettings; 1] {
-    [&mut s.accelerometer]
-}
-
 rows! {
-    for sensor in parts, named &["accelerometer"];
+    for sensor in |s, _| Some(&mut s.accelerometer), named &["accelerometer"];
 
     /// The accelerometer at the tool, plugged into the board's connector for one: "none", "adxl345" or "lis2dw12".
-    148 "kind" = Chosen(&mut sensor.kind), "", [Spec::choice::<Option<Kind>>()];
+    148 "kind" = &mut sensor.kind, "", [Spec::choice::<Option<Kind>>()];
     /// Samples a second. The sensor takes the nearest rate that it has; a LIS2DW12 has 1600 at most.
-    149 "rate" = sensor.rate, "Hz", [ranges::SAMPLES.spec()];
+    149 "rate" = &mut sensor.rate, "Hz", [ranges::SAMPLES.spec()];
 }
 
 /// Rows of [`AccelerometerSettings::axes`].
 pub(super) mod axes {
     use super::*;
 
-    fn parts(s: &mut Settings) -> [&mut SensorAxis; 3] {
-        let Cartesian { x, y, z } = &mut s.accelerometer.axes;
-        [x, y, z]
-    }
-
     rows! {
-        for axis in parts, named &["accelerometer.axes.x", "accelerometer.axes.y", "accelerometer.axes.z"];
+        for axis in |s, part| s.accelerometer.axes.get_mut(part),
+            named &["accelerometer.axes.x", "accelerometer.axes.y", "accelerometer.axes.z"];
 
         /// The axis of the sensor that points this way: "x", "-x", "y", "-y", "z" or "-z".
-        150 "" = Chosen(axis), "", [Spec::choice::<SensorAxis>()];
+        150 "" = axis, "", [Spec::choice::<SensorAxis>()];
     }
 }

@@ -1,7 +1,7 @@
 //! Axes: one value per axis, and the properties of an axis.
 
 use super::rows::rows;
-use super::{HomedAxis, Settings, ranges};
+use super::{HomedAxis, ranges};
 use crate::units::{Mm, MmPerSec, MmPerSec2, StepsPerMm};
 use serde::{Deserialize, Serialize};
 
@@ -32,6 +32,19 @@ impl<T: Copy> Axes<T> {
     }
 }
 
+impl<T> Axes<T> {
+    /// The value of an axis, by its number.
+    pub(super) const fn get_mut(&mut self, axis: usize) -> Option<&mut T> {
+        match axis {
+            0 => Some(&mut self.x),
+            1 => Some(&mut self.y),
+            2 => Some(&mut self.z),
+            3 => Some(&mut self.e),
+            _ => None,
+        }
+    }
+}
+
 impl<T> From<[T; 4]> for Axes<T> {
     fn from([x, y, z, e]: [T; 4]) -> Self {
         Self { x, y, z, e }
@@ -47,6 +60,18 @@ pub struct Cartesian<T> {
     pub y: T,
     /// Bed to nozzle.
     pub z: T,
+}
+
+impl<T> Cartesian<T> {
+    /// The value of an axis, by its number.
+    pub(super) const fn get_mut(&mut self, axis: usize) -> Option<&mut T> {
+        match axis {
+            0 => Some(&mut self.x),
+            1 => Some(&mut self.y),
+            2 => Some(&mut self.z),
+            _ => None,
+        }
+    }
 }
 
 impl<T: Copy> Cartesian<T> {
@@ -126,36 +151,28 @@ impl Homing {
     }
 }
 
-fn parts(s: &mut Settings) -> [&mut AxisSettings; 4] {
-    [&mut s.axes.x, &mut s.axes.y, &mut s.axes.z, &mut s.axes.e]
-}
-
 rows! {
-    for axis in parts, named &["axes.x", "axes.y", "axes.z", "axes.e"];
+    for axis in |s, part| s.axes.get_mut(part), named &["axes.x", "axes.y", "axes.z", "axes.e"];
 
     /// Steps a millimetre.
-    20 "steps_per_mm" = axis.steps_per_mm, "steps/mm", [ranges::STEPS_PER_MM.spec()], "M92" "X" "Y" "Z" "E";
+    20 "steps_per_mm" = &mut axis.steps_per_mm, "steps/mm", [ranges::STEPS_PER_MM.spec()], "M92" "X" "Y" "Z" "E";
     /// Speed limit.
-    21 "max_speed" = axis.max_speed, "mm/s", [ranges::SPEED.spec()], "M203" "X" "Y" "Z" "E";
+    21 "max_speed" = &mut axis.max_speed, "mm/s", [ranges::SPEED.spec()], "M203" "X" "Y" "Z" "E";
     /// Acceleration limit.
-    22 "max_acceleration" = axis.max_acceleration, "mm/s2", [ranges::ACCELERATION.spec()], "M201" "X" "Y" "Z" "E";
+    22 "max_acceleration" = &mut axis.max_acceleration, "mm/s2", [ranges::ACCELERATION.spec()], "M201" "X" "Y" "Z" "E";
     /// Travel of the axis, from min on; for the extruder, the longest single move.
-    23 "length" = axis.length, "mm", [ranges::AXIS_LENGTH.spec()];
+    23 "length" = &mut axis.length, "mm", [ranges::AXIS_LENGTH.spec()];
 }
 
 /// Rows of the places where axes begin.
 pub(super) mod min {
     use super::*;
 
-    fn parts(s: &mut Settings) -> [&mut Mm; 3] {
-        [&mut s.axis_min.x, &mut s.axis_min.y, &mut s.axis_min.z]
-    }
-
     rows! {
-        for min in parts, named &["axes.x", "axes.y", "axes.z"];
+        for min in |s, part| s.axis_min.get_mut(part), named &["axes.x", "axes.y", "axes.z"];
 
         /// The least position of the axis; the greatest is this and its length, at most 5000.
-        103 "min" = *min, "mm", [ranges::PLACE.spec()];
+        103 "min" = min, "mm", [ranges::PLACE.spec()];
     }
 }
 
@@ -163,20 +180,16 @@ pub(super) mod min {
 pub(super) mod homing {
     use super::*;
 
-    fn parts(s: &mut Settings) -> [&mut Homing; 3] {
-        [&mut s.homing.x, &mut s.homing.y, &mut s.homing.z]
-    }
-
     rows! {
-        for axis in parts, named &["homing.x", "homing.y", "homing.z"];
+        for axis in |s, part| s.homing.get_mut(part), named &["homing.x", "homing.y", "homing.z"];
 
         /// Speed of the first approach.
-        24 "fast" = axis.fast, "mm/s", [ranges::SPEED.spec()];
+        24 "fast" = &mut axis.fast, "mm/s", [ranges::SPEED.spec()];
         /// Speed of the second approach, which decides the position.
-        25 "slow" = axis.slow, "mm/s", [ranges::SPEED.spec()];
+        25 "slow" = &mut axis.slow, "mm/s", [ranges::SPEED.spec()];
         /// How far the axis backs off between the two.
-        26 "back_off" = axis.back_off, "mm", [ranges::BACK_OFF.spec()];
+        26 "back_off" = &mut axis.back_off, "mm", [ranges::BACK_OFF.spec()];
         /// Home offset: the program counts this more than the machine, from homing on.
-        126 "offset" = axis.offset, "mm", [ranges::PLACE.spec()], "M206" "X" "Y" "Z";
+        126 "offset" = &mut axis.offset, "mm", [ranges::PLACE.spec()], "M206" "X" "Y" "Z";
     }
 }

@@ -81,21 +81,17 @@ impl Settings {
     }
 }
 
-fn parts(s: &mut Settings) -> [&mut Bed; 1] {
-    [&mut s.bed]
-}
-
 rows! {
-    for bed in parts, named &["bed"];
+    for bed in |s, _| Some(&mut s.bed), named &["bed"];
 
     /// Size in x.
-    27 "width" = bed.width, "mm", [ranges::AXIS_LENGTH.spec()];
+    27 "width" = &mut bed.width, "mm", [ranges::AXIS_LENGTH.spec()];
     /// Size in y.
-    28 "depth" = bed.depth, "mm", [ranges::AXIS_LENGTH.spec()];
+    28 "depth" = &mut bed.depth, "mm", [ranges::AXIS_LENGTH.spec()];
     /// x of its left edge.
-    29 "left" = bed.left, "mm", [ranges::PLACE.spec()];
+    29 "left" = &mut bed.left, "mm", [ranges::PLACE.spec()];
     /// y of its front edge.
-    30 "front" = bed.front, "mm", [ranges::PLACE.spec()];
+    30 "front" = &mut bed.front, "mm", [ranges::PLACE.spec()];
     /// How far z stands above the place that the program names, from homing on (M290, SET_GCODE_OFFSET).
-    125 "z_offset" = bed.z_offset, "mm", [ranges::Z_OFFSET.spec()];
+    125 "z_offset" = &mut bed.z_offset, "mm", [ranges::Z_OFFSET.spec()];
 }

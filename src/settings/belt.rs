@@ -1,7 +1,7 @@
 //! The belt: settings that the motors of x and y share.
 
-use super::rows::{Choice, Chosen, Spec, rows};
-use super::{Settings, ranges};
+use super::ranges;
+use super::rows::{Choice, Spec, numbers, rows};
 use crate::units::{Mm, MmPerSec, MmPerSec2};
 use serde::{Deserialize, Serialize};
 
@@ -87,53 +87,47 @@ impl Belt {
 
 impl Choice for Alignment {
     const ALL: &'static [(Self, &'static str)] = &Self::ALL;
-}
 
-fn parts(s: &mut Settings) -> [&mut Belt; 1] {
-    [&mut s.belt]
+    numbers!(Off Warning Required Automatic);
 }
 
 rows! {
-    for belt in parts, named &["belt"];
+    for belt in |s, _| Some(&mut s.belt), named &["belt"];
 
     /// Whether one closed belt runs over all motors that move x or y, each turning it the same way round when it turns
     /// forward. Such a belt can circulate while the tool stands (C in G0 and G1). A file with a mechanism has none
     /// unless it says so.
-    31 "closed" = belt.is_closed, "", [Spec::SWITCH];
+    31 "closed" = &mut belt.is_closed, "", [Spec::SWITCH];
     /// Time between two motors of one belt that get power.
-    32 "settling" = belt.settling_ms, "ms", [ranges::SETTLING_MS.spec()];
+    32 "settling" = &mut belt.settling_ms, "ms", [ranges::SETTLING_MS.spec()];
     /// Speed limit of the circulation.
-    33 "max_speed" = belt.max_speed, "mm/s", [ranges::SPEED.spec()];
+    33 "max_speed" = &mut belt.max_speed, "mm/s", [ranges::SPEED.spec()];
     /// Acceleration limit of the circulation.
-    34 "max_acceleration" = belt.max_acceleration, "mm/s2", [ranges::ACCELERATION.spec()];
+    34 "max_acceleration" = &mut belt.max_acceleration, "mm/s2", [ranges::ACCELERATION.spec()];
     /// How far the belt circulates after x and y are homed, so that it does not always bend at the same teeth; 0 is not
     /// at all.
-    35 "homing_advance" = belt.homing_advance, "mm", [ranges::HOMING_ADVANCE.spec()];
+    35 "homing_advance" = &mut belt.homing_advance, "mm", [ranges::HOMING_ADVANCE.spec()];
     /// What happens with motors of one belt that were not aligned (M915) since they got power. Off: nothing. Warning:
     /// the host is told of the first printing move. Required: printing moves are refused. Automatic: they are aligned
     /// when x and y are homed.
-    36 "alignment" = Chosen(&mut belt.alignment), "", [Spec::choice::<Alignment>()];
+    36 "alignment" = &mut belt.alignment, "", [Spec::choice::<Alignment>()];
     /// How much aligned motors strain the belt, as the sum of their residual.
-    37 "preload" = belt.preload, "mm", [ranges::PRELOAD.spec()];
+    37 "preload" = &mut belt.preload, "mm", [ranges::PRELOAD.spec()];
     /// How far z is raised when a motor of the belt has failed, before the others park the tool; 0 cuts all power at
     /// once.
-    38 "limp_lift" = belt.limp_lift, "mm", [ranges::LIMP_LIFT.spec()];
+    38 "limp_lift" = &mut belt.limp_lift, "mm", [ranges::LIMP_LIFT.spec()];
 }
 
 /// Rows of [`Belt::phases`].
 pub(super) mod phases {
     use super::*;
 
-    fn parts(s: &mut Settings) -> [&mut u16; PHASES] {
-        s.belt.phases.each_mut()
-    }
-
     rows! {
-        for phase in parts, named &["belt.phases"; PHASES];
+        for phase in |s, part| s.belt.phases.get_mut(part), named &["belt.phases"; PHASES];
 
         /// Where the drivers of a belt's motors stood to each other when nothing strained the belt: a number for each
         /// residual. M915 finds it. Left out, it is not known.
-        39 "" = *phase, "1/1024 of an electrical turn", [ranges::PHASE.spec()];
+        39 "" = phase, "1/1024 of an electrical turn", [ranges::PHASE.spec()];
     }
 }
 

@@ -1,7 +1,8 @@
 //! The rule for speeds in corners, and the jump of z in them.
 
-use super::rows::{Field, Value, rows};
-use super::{Settings, ranges};
+use super::field::Number;
+use super::ranges;
+use super::rows::rows;
 use crate::units::{Mm, MmPerSec};
 use serde::{Deserialize, Serialize};
 
@@ -33,16 +34,17 @@ impl CornerRule {
 }
 
 /// Junction deviation as a field.
-pub(super) struct Deviation<'a>(pub &'a mut CornerRule);
+#[derive(Debug)]
+pub struct Deviation<'a>(pub &'a mut CornerRule);
 
-impl Field for Deviation<'_> {
-    fn get(&self) -> Value {
-        if let CornerRule::JunctionDeviation(deviation) = &*self.0 { deviation.get() } else { Value::Absent }
+impl Number for Deviation<'_> {
+    fn value(&self) -> Option<i64> {
+        if let CornerRule::JunctionDeviation(deviation) = &*self.0 { deviation.value() } else { None }
     }
 
-    fn set(&mut self, value: &Value) -> bool {
+    fn put(&mut self, number: i64) -> bool {
         let mut deviation = Mm::ZERO;
-        let is_one = deviation.set(value);
+        let is_one = deviation.put(number);
         if is_one {
             *self.0 = CornerRule::JunctionDeviation(deviation);
         }
@@ -51,16 +53,17 @@ impl Field for Deviation<'_> {
 }
 
 /// Square-corner velocity as a field.
-pub(super) struct SquareCorner<'a>(pub &'a mut CornerRule);
+#[derive(Debug)]
+pub struct SquareCorner<'a>(pub &'a mut CornerRule);
 
-impl Field for SquareCorner<'_> {
-    fn get(&self) -> Value {
-        if let CornerRule::SquareCorner(speed) = &*self.0 { speed.get() } else { Value::Absent }
+impl Number for SquareCorner<'_> {
+    fn value(&self) -> Option<i64> {
+        if let CornerRule::SquareCorner(speed) = &*self.0 { speed.value() } else { None }
     }
 
-    fn set(&mut self, value: &Value) -> bool {
+    fn put(&mut self, number: i64) -> bool {
         let mut speed = MmPerSec::ZERO;
-        let is_one = speed.set(value);
+        let is_one = speed.put(number);
         if is_one {
             *self.0 = CornerRule::SquareCorner(speed);
         }
@@ -68,13 +71,9 @@ impl Field for SquareCorner<'_> {
     }
 }
 
-fn parts(s: &mut Settings) -> [&mut Settings; 1] {
-    [s]
-}
-
 rows! {
-    for machine in parts, named &[""];
+    for machine in |s, _| Some(s), named &[""];
 
     /// The jump in the speed of z that a corner may ask for; 3000, the greatest speed of all, limits nothing.
-    151 "z_jerk" = machine.z_jerk, "mm/s", [ranges::SPEED.spec().from_zero()], "M205" "Z";
+    151 "z_jerk" = &mut machine.z_jerk, "mm/s", [ranges::SPEED.spec().from_zero()], "M205" "Z";
 }

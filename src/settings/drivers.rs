@@ -89,6 +89,16 @@ impl DriverGroups {
     /// The names of the groups in machine files. A motor with such a name has no section of its own.
     pub const NAMES: [&str; 3] = ["belt", "z", "e"];
 
+    /// A group, by its place in [`NAMES`](Self::NAMES).
+    const fn group_mut(&mut self, group: usize) -> Option<&mut DriverSettings> {
+        match group {
+            0 => Some(&mut self.belt),
+            1 => Some(&mut self.z),
+            2 => Some(&mut self.e),
+            _ => None,
+        }
+    }
+
     /// The own values of a motor.
     #[must_use]
     pub fn own(&self, motor: Motor) -> OwnDriver {
@@ -144,27 +154,23 @@ impl Settings {
     }
 }
 
-fn parts(s: &mut Settings) -> [&mut DriverSettings; 3] {
-    [&mut s.drivers.belt, &mut s.drivers.z, &mut s.drivers.e]
-}
-
 rows! {
-    for driver in parts, named &[BELT, Z, E];
+    for driver in |s, part| s.drivers.group_mut(part), named &[BELT, Z, E];
 
     /// Current of a running motor, root mean square (M906).
-    40 "current_ma" = driver.current_ma, "mA", [ranges::CURRENT_MA.spec()];
+    40 "current_ma" = &mut driver.current_ma, "mA", [ranges::CURRENT_MA.spec()];
     /// Current of a motor at rest, in percent of the running motor's.
-    41 "hold_percent" = driver.hold_percent, "%", [ranges::HOLD_PERCENT.spec()];
+    41 "hold_percent" = &mut driver.hold_percent, "%", [ranges::HOLD_PERCENT.spec()];
     /// Microsteps of a full step: 1, 2, 4 and so on up to 256. The axis' steps_per_mm counts them.
-    42 "microsteps" = driver.microsteps, "", [ranges::MICROSTEPS.spec()];
+    42 "microsteps" = &mut driver.microsteps, "", [ranges::MICROSTEPS.spec()];
     /// Whether motors run in stealthChop instead of spreadCycle (M569).
-    43 "stealth" = driver.stealth, "", [Spec::SWITCH];
+    43 "stealth" = &mut driver.stealth, "", [Spec::SWITCH];
     /// Speed above which stealthChop gives way to spreadCycle; 0 is never (M913).
-    44 "hybrid_threshold" = driver.hybrid_threshold, "mm/s", [ranges::SPEED.spec().from_zero()];
+    44 "hybrid_threshold" = &mut driver.hybrid_threshold, "mm/s", [ranges::SPEED.spec().from_zero()];
     /// StallGuard threshold: the higher, the sooner a load counts as a stall; 0 is never (M914).
-    45 "stall_threshold" = driver.stall_threshold, "", [Range { least: u8::MIN, most: u8::MAX }.spec()];
+    45 "stall_threshold" = &mut driver.stall_threshold, "", [Range { least: u8::MIN, most: u8::MAX }.spec()];
     /// Whether drivers interpolate microsteps to 256: quieter, and the motor follows half a microstep later.
-    104 "interpolate" = driver.interpolate, "", [Spec::SWITCH];
+    104 "interpolate" = &mut driver.interpolate, "", [Spec::SWITCH];
 }
 
 /// Rows of [`DriverGroups::own`].
@@ -173,22 +179,17 @@ pub(super) mod own {
 
     /// The tables of the motors, by their numbers.
     const KEYS: MotorKeys<10> = motor_keys(*b"drivers.#0");
-    const TABLES: [&str; MOTORS] = texts(&KEYS);
-
-    fn parts(s: &mut Settings) -> [&mut OwnDriver; MOTORS] {
-        s.drivers.own.each_mut()
-    }
 
     rows! {
-        for driver in parts, named &TABLES;
+        for driver in |s, part| s.drivers.own.get_mut(part), named &texts(&KEYS);
 
         /// Own current of this motor, root mean square (M906 I). Left out, it has the current of its group, `belt`, `z`
         /// or `e`.
-        101 "current_ma" = driver.current_ma, "mA", [ranges::CURRENT_MA.spec().or_group()];
+        101 "current_ma" = &mut driver.current_ma, "mA", [ranges::CURRENT_MA.spec().or_group()];
         /// Own StallGuard threshold of this motor (M914 I). Left out, it has the threshold of its group.
-        102 "stall_threshold" = driver.stall_threshold, "", [ranges::OWN_STALL_THRESHOLD.spec().or_group()];
+        102 "stall_threshold" = &mut driver.stall_threshold, "", [ranges::OWN_STALL_THRESHOLD.spec().or_group()];
         /// Own current of this motor at rest, in percent of the running motor's. Left out, it has that of its group.
-        105 "hold_percent" = driver.hold_percent, "%", [ranges::OWN_HOLD_PERCENT.spec().or_group()];
+        105 "hold_percent" = &mut driver.hold_percent, "%", [ranges::OWN_HOLD_PERCENT.spec().or_group()];
     }
 }
 

@@ -1,7 +1,7 @@
 //! Endstops: at which end of its axis each switch sits, where that is, and in which order G28 looks for them.
 
-use super::rows::{Choice, Chosen, Spec, rows};
-use super::{Range, Settings, ranges};
+use super::rows::{Choice, Spec, numbers, rows};
+use super::{Range, ranges};
 use crate::units::Mm;
 use serde::{Deserialize, Serialize};
 
@@ -121,38 +121,34 @@ impl HomedAxis {
 
 impl Choice for AxisEnd {
     const ALL: &'static [(Self, &'static str)] = &[(Self::Min, "min"), (Self::Max, "max")];
+
+    numbers!(Min Max);
 }
 
 impl Choice for HomedAxis {
     const ALL: &'static [(Self, &'static str)] = &[(Self::X, "x"), (Self::Y, "y"), (Self::Z, "z")];
-}
 
-fn parts(s: &mut Settings) -> [&mut Endstop; 3] {
-    [&mut s.endstops.x, &mut s.endstops.y, &mut s.endstops.z]
+    numbers!(X Y Z);
 }
 
 rows! {
-    for endstop in parts, named &["homing.x", "homing.y", "homing.z"];
+    for endstop in |s, part| s.endstops.get_mut(part), named &["homing.x", "homing.y", "homing.z"];
 
     /// The end of the axis at which its switch sits.
-    46 "end" = Chosen(&mut endstop.end), "", [Spec::choice::<AxisEnd>()];
+    46 "end" = &mut endstop.end, "", [Spec::choice::<AxisEnd>()];
     /// The position at which the switch is met: in that half of the axis, or somewhat outside.
-    47 "position" = endstop.position, "mm", [ranges::ENDSTOP_POSITION.spec()];
+    47 "position" = &mut endstop.position, "mm", [ranges::ENDSTOP_POSITION.spec()];
 }
 
 /// Rows of the order in which axes are homed.
 pub(super) mod order {
     use super::*;
 
-    fn parts(s: &mut Settings) -> [&mut HomedAxis; 3] {
-        s.homing_order.each_mut()
-    }
-
     rows! {
-        for axis in parts, named &["homing.order"; 3];
+        for axis in |s, part| s.homing_order.get_mut(part), named &["homing.order"; 3];
 
         /// The order in which G28 homes the axes: x, y and z once each.
-        48 "" = Chosen(axis), "", [Spec::choice::<HomedAxis>()];
+        48 "" = axis, "", [Spec::choice::<HomedAxis>()];
     }
 }
 

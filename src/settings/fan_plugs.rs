@@ -1,9 +1,9 @@
 //! Fans as a board drives them: the frequency of their modulation, and the inputs of their tachometers. A board takes
 //! them when it starts, as the places of all plugs. What a fan does is in [`FanSettings`](super::FanSettings).
 
-use super::rows::{Choice, Chosen, Spec, rows};
-use super::{Range, Settings};
-use crate::connectors::{ConnectorName, FANS};
+use super::Range;
+use super::rows::{Choice, Spec, numbers, rows};
+use crate::connectors::ConnectorName;
 use serde::{Deserialize, Serialize};
 
 /// How a fan is connected.
@@ -75,6 +75,10 @@ impl Choice for Tachometer {
         (Self::YMax, "Y-MAX"),
         (Self::ZMax, "Z-MAX"),
     ];
+
+    numbers!(
+        None XStop YStop ZStop Z2Stop E0Det E1Det E2Det E3Det BlTouch Probe XMin YMin ZMin XMax YMax ZMax
+    );
 }
 
 impl Tachometer {
@@ -105,31 +109,24 @@ const FREQUENCY: Range<u16> = Range { least: 10, most: 50_000 };
 pub(super) const USUAL_PULSES: u8 = 2;
 const PULSES: Range<u8> = Range { least: 1, most: 12 };
 
-fn parts(s: &mut Settings) -> [&mut FanPlug; FANS] {
-    s.fans.each_mut()
-}
-
 rows! {
-    for fan in parts, named &["fans.fan0", "fans.fan1", "fans.fan2", "fans.fan3", "fans.fan4", "fans.fan5"];
+    for fan in |s, part| s.fans.get_mut(part),
+        named &["fans.fan0", "fans.fan1", "fans.fan2", "fans.fan3", "fans.fan4", "fans.fan5"];
 
     /// Frequency of the modulation, where the board can change it; 0 is the board's own. Fans on one timer share it.
-    127 "frequency" = fan.frequency, "Hz", [FREQUENCY.spec().or_zero()];
+    127 "frequency" = &mut fan.frequency, "Hz", [FREQUENCY.spec().or_zero()];
     /// Input of the fan's tachometer. M123 reports it. A hotend fan that stands still is a fault.
-    128 "tachometer" = Chosen(&mut fan.tachometer), "", [Spec::choice::<Tachometer>()];
+    128 "tachometer" = &mut fan.tachometer, "", [Spec::choice::<Tachometer>()];
 }
 
 /// The row of all tachometers.
 pub(super) mod pulses {
     use super::*;
 
-    fn parts(s: &mut Settings) -> [&mut u8; 1] {
-        [&mut s.fan_pulses]
-    }
-
     rows! {
-        for pulses in parts, named &["fans"];
+        for pulses in |s, _| Some(&mut s.fan_pulses), named &["fans"];
 
         /// Pulses of a tachometer in a turn.
-        129 "pulses" = *pulses, "", [PULSES.spec()];
+        129 "pulses" = pulses, "", [PULSES.spec()];
     }
 }

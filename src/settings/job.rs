@@ -1,7 +1,6 @@
 //! What a print does if an axis is not homed, or the probe does not find the bed.
 
-use super::Settings;
-use super::rows::{Choice, Chosen, Spec, rows};
+use super::rows::{Choice, Spec, numbers, rows};
 use serde::{Deserialize, Serialize};
 
 /// What a print does then.
@@ -15,6 +14,8 @@ pub enum OnFailure {
 
 impl Choice for OnFailure {
     const ALL: &'static [(Self, &'static str)] = &[(Self::Cancel, "cancel"), (Self::Pause, "pause")];
+
+    numbers!(Cancel Pause);
 }
 
 /// The settings of a print that fails.
@@ -33,16 +34,12 @@ impl JobSettings {
     }
 }
 
-fn parts(s: &mut Settings) -> [&mut JobSettings; 1] {
-    [&mut s.job]
-}
-
 rows! {
-    for job in parts, named &["job"];
+    for job in |s, _| Some(&mut s.job), named &["job"];
 
     /// What a print does if an axis is not homed or the probe does not find the bed: "cancel" ends it; "pause" pauses
     /// it, and M24 tries the line again.
-    123 "on_failure" = Chosen(&mut job.on_failure), "", [Spec::choice::<OnFailure>()];
+    123 "on_failure" = &mut job.on_failure, "", [Spec::choice::<OnFailure>()];
     /// Whether heaters keep their targets if it ends so, until they are idle for too long.
-    124 "keep_heat" = job.keeps_heat, "", [Spec::SWITCH];
+    124 "keep_heat" = &mut job.keeps_heat, "", [Spec::SWITCH];
 }

@@ -1,7 +1,7 @@
 //! The mesh of the bed: how many points G29 measures, whether the mesh is used, and how far up.
 
+use super::ranges;
 use super::rows::{Spec, rows};
-use super::{Settings, ranges};
 use crate::units::Mm;
 use serde::{Deserialize, Serialize};
 
@@ -26,19 +26,15 @@ impl MeshSettings {
     }
 }
 
-fn parts(s: &mut Settings) -> [&mut MeshSettings; 1] {
-    [&mut s.mesh]
-}
-
 rows! {
-    for mesh in parts, named &["mesh"];
+    for mesh in |s, _| Some(&mut s.mesh), named &["mesh"];
 
     /// Columns of points that G29 measures along x; up to 49 points are kept by M500.
-    144 "columns" = mesh.columns, "", [ranges::MESH_POINTS.spec()];
+    144 "columns" = &mut mesh.columns, "", [ranges::MESH_POINTS.spec()];
     /// Rows of points along y.
-    145 "rows" = mesh.rows, "", [ranges::MESH_POINTS.spec()];
+    145 "rows" = &mut mesh.rows, "", [ranges::MESH_POINTS.spec()];
     /// Height of z up to which the mesh fades to its mean; 0 is no fade (M420 Z).
-    146 "fade" = mesh.fade, "mm", [ranges::MESH_FADE.spec().or_zero()];
+    146 "fade" = &mut mesh.fade, "mm", [ranges::MESH_FADE.spec().or_zero()];
     /// Whether the kept mesh is used from the start (M420 S).
-    147 "is_on" = mesh.is_on, "", [Spec::SWITCH];
+    147 "is_on" = &mut mesh.is_on, "", [Spec::SWITCH];
 }

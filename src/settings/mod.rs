@@ -31,6 +31,7 @@ mod corner;
 mod drivers;
 mod endstops;
 mod fan_plugs;
+mod field;
 mod job;
 mod kept;
 pub mod line;
@@ -81,11 +82,17 @@ pub use thermal::{
 };
 pub use wiring::{EndstopPlug, MotorPlug, Wiring};
 
-use crate::connectors::FANS;
-use crate::kinematics::{Mechanism, SCREWS, multiple};
+use crate::accelerometer::SensorAxis;
+use crate::connectors::{FANS, Output, Sensor};
+use crate::kinematics::{Mechanism, Row, SCREWS, multiple};
 use crate::motors::{MOTORS, Motor, MotorName, prototype};
-use crate::units::{Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm};
+use crate::units::{
+    Celsius, Hertz, JoulesPerKelvin, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, StepsPerMm, Watts, WattsPerKelvin,
+};
+use corner::{Deviation, SquareCorner};
+use field::{Field, Number, Value, places};
 use serde::{Deserialize, Serialize};
+use spec::Choice;
 
 /// Everything that makes one machine different from another.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
@@ -406,56 +413,69 @@ impl Settings {
     }
 }
 
+// The types of fields: a setting of a new type needs its type here.
+places! {
+    choices:
+        HomedAxis(HomedAxis), AxisEnd(AxisEnd), OnFailure(OnFailure), Tachometer(Tachometer), ShaperKind(ShaperKind),
+        ProbeKind(ProbeKind), Alignment(Alignment), Control(Control), FanRole(FanRole), SensorAxis(SensorAxis),
+        Accelerometer(Option<crate::accelerometer::Kind>), Output(Output), Sensor(Sensor), SensorSource(SensorSource);
+    numbers:
+        U8(u8), U16(u16), U32(u32), I16(i16), Switch(bool), Mm(Mm), MmPerSec(MmPerSec), MmPerSec2(MmPerSec2),
+        StepsPerMm(StepsPerMm), Hertz(Hertz), Seconds(Seconds), Ratio(Ratio), Celsius(Celsius), Watts(Watts),
+        JoulesPerKelvin(JoulesPerKelvin), WattsPerKelvin(WattsPerKelvin), MaybeMm(Option<Mm>),
+        MaybeSeconds(Option<Seconds>), Thermistor(Thermistor), MotorRow(Row);
+    names: MachineName, MotorName, MotorPlug, EndstopPlug;
+    others: Deviation, SquareCorner;
+}
+
 /// Rows of [`Settings`] itself.
 mod top {
     use super::corner::{Deviation, SquareCorner};
     use super::rows::{Kind, Spec, rows};
-    use super::{MachineName, Settings, ranges};
-
-    fn parts(s: &mut Settings) -> [&mut Settings; 1] {
-        [s]
-    }
+    use super::{MachineName, ranges};
 
     rows! {
-        for machine in parts, named &[""];
+        for machine in |s, _| Some(s), named &[""];
 
         /// The name that hosts, screens and reports show: up to 24 letters, digits, blanks and + - . , / ( ) & # '.
-        1 "name" = machine.name, "", [Spec::text(MachineName::LONGEST, Kind::Name)];
+        1 "name" = &mut machine.name, "", [Spec::text(MachineName::LONGEST, Kind::Name)];
         /// Speed limit of one belt motor, in mm of belt. A diagonal asks 1.41 times the tool's speed of two motors.
-        2 "motor_max_speed" = machine.motor_max_speed, "mm/s", [ranges::SPEED.spec()];
+        2 "motor_max_speed" = &mut machine.motor_max_speed, "mm/s", [ranges::SPEED.spec()];
         /// Acceleration limit of one belt motor, in mm of belt.
-        3 "motor_max_acceleration" = machine.motor_max_acceleration, "mm/s2", [ranges::ACCELERATION.spec()];
+        3 "motor_max_acceleration" = &mut machine.motor_max_acceleration, "mm/s2", [ranges::ACCELERATION.spec()];
         /// Acceleration of moves that print.
-        4 "print_acceleration" = machine.print_acceleration, "mm/s2", [ranges::ACCELERATION.spec()], "M204" "P/S";
+        4 "print_acceleration" = &mut machine.print_acceleration, "mm/s2", [ranges::ACCELERATION.spec()], "M204" "P/S";
         /// Acceleration of moves of the extruder alone.
-        5 "retract_acceleration" = machine.retract_acceleration, "mm/s2", [ranges::ACCELERATION.spec()], "M204" "R";
+        5 "retract_acceleration" = &mut machine.retract_acceleration, "mm/s2",
+            [ranges::ACCELERATION.spec()], "M204" "R";
         /// Acceleration of moves that do not print.
-        6 "travel_acceleration" = machine.travel_acceleration, "mm/s2", [ranges::ACCELERATION.spec()], "M204" "T/S";
+        6 "travel_acceleration" = &mut machine.travel_acceleration, "mm/s2",
+            [ranges::ACCELERATION.spec()], "M204" "T/S";
         /// The part of a move over which its speed holds at least, unless it accelerates or brakes all along
         /// (SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO).
-        7 "minimum_cruise_ratio" = machine.minimum_cruise_ratio, "", [ranges::CRUISE_RATIO.spec()];
+        7 "minimum_cruise_ratio" = &mut machine.minimum_cruise_ratio, "", [ranges::CRUISE_RATIO.spec()];
         /// The jump in the extruder's speed that a corner may ask for.
-        8 "extruder_jerk" = machine.extruder_jerk, "mm/s", [ranges::SPEED.spec()], "M205" "E";
+        8 "extruder_jerk" = &mut machine.extruder_jerk, "mm/s", [ranges::SPEED.spec()], "M205" "E";
         /// Least commanded speed of printing moves; 0 is none.
-        9 "min_feed" = machine.min_feed, "mm/s", [ranges::SPEED.spec().from_zero()], "M205" "S";
+        9 "min_feed" = &mut machine.min_feed, "mm/s", [ranges::SPEED.spec().from_zero()], "M205" "S";
         /// Least commanded speed of other moves; 0 is none.
-        10 "min_travel" = machine.min_travel, "mm/s", [ranges::SPEED.spec().from_zero()], "M205" "T";
+        10 "min_travel" = &mut machine.min_travel, "mm/s", [ranges::SPEED.spec().from_zero()], "M205" "T";
         /// Whether moves are kept inside the reachable space (M211).
-        11 "soft_endstops" = machine.soft_endstops, "", [Spec::SWITCH];
+        11 "soft_endstops" = &mut machine.soft_endstops, "", [Spec::SWITCH];
         /// Whether moves of an axis that was not homed are refused. Otherwise the host is told of them once.
-        12 "require_homing" = machine.require_homing, "", [Spec::SWITCH];
+        12 "require_homing" = &mut machine.require_homing, "", [Spec::SWITCH];
         /// How far the chords of an arc may lie inside it.
-        13 "arc_tolerance" = machine.arc_tolerance, "mm", [ranges::TOLERANCE.spec()];
+        13 "arc_tolerance" = &mut machine.arc_tolerance, "mm", [ranges::TOLERANCE.spec()];
         /// Time between two busy messages; 0 is none.
-        14 "keepalive_s" = machine.keepalive_s, "s", [ranges::KEEPALIVE_S.spec()], "M113" "S";
+        14 "keepalive_s" = &mut machine.keepalive_s, "s", [ranges::KEEPALIVE_S.spec()], "M113" "S";
         /// Silence in the middle of numbered lines after which the host is asked to go on; 0 is never.
-        15 "patience_ms" = machine.patience_ms, "ms", [ranges::PATIENCE_MS.spec().or_zero()];
+        15 "patience_ms" = &mut machine.patience_ms, "ms", [ranges::PATIENCE_MS.spec().or_zero()];
         /// Motion at nominal speed that waits in the look-ahead before a line is answered.
-        16 "lookahead_time" = machine.lookahead_time, "s", [ranges::LOOKAHEAD_TIME.spec()];
+        16 "lookahead_time" = &mut machine.lookahead_time, "s", [ranges::LOOKAHEAD_TIME.spec()];
         /// Whether ok tells the line number, free moves and free lines (ok N12 P100 B9), as Marlin's ADVANCED_OK.
-        17 "advanced_ok" = machine.advanced_ok, "", [Spec::SWITCH];
+        17 "advanced_ok" = &mut machine.advanced_ok, "", [Spec::SWITCH];
         /// Rate of the serial lines on the board's headers; USB has none. It counts after a reset.
-        18 "baud" = machine.baud, "baud", [ranges::BAUD.spec()];
+        18 "baud" = &mut machine.baud, "baud", [ranges::BAUD.spec()];
         /// Speed in corners by junction deviation: how far an arc that rounds the corner may leave it (M205 J).
         19 "corner.junction_deviation" = Deviation(&mut machine.corner), "mm", [ranges::TOLERANCE.spec()];
         /// Speed in corners by the speed through a right angle (M205 X).

@@ -1,6 +1,6 @@
 //! The name of a machine, which hosts and screens show (M115, MACHINE_TYPE).
 
-use super::rows::{Field, Value, text};
+use super::field::{Field, Value, text};
 use core::fmt::{self, Display};
 use core::hash::{Hash, Hasher};
 use serde::de::{Error, Unexpected, Visitor};

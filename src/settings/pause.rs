@@ -1,7 +1,7 @@
 //! The tool and the heaters in a pause.
 
+use super::ranges;
 use super::rows::{Spec, rows};
-use super::{Settings, ranges};
 use crate::units::{Mm, MmPerSec};
 use serde::{Deserialize, Serialize};
 
@@ -49,30 +49,26 @@ impl Pause {
     }
 }
 
-fn parts(s: &mut Settings) -> [&mut Pause; 1] {
-    [&mut s.pause]
-}
-
 rows! {
-    for pause in parts, named &["pause"];
+    for pause in |s, _| Some(&mut s.pause), named &["pause"];
 
     /// Filament that is pulled back before the tool leaves the part; 0 is none.
-    49 "retract" = pause.retract, "mm", [ranges::PAUSE_RETRACT.spec()];
+    49 "retract" = &mut pause.retract, "mm", [ranges::PAUSE_RETRACT.spec()];
     /// Speed at which filament is pulled back.
-    50 "retract_speed" = pause.retract_speed, "mm/s", [ranges::SPEED.spec()];
+    50 "retract_speed" = &mut pause.retract_speed, "mm/s", [ranges::SPEED.spec()];
     /// Speed at which filament is pushed forward again.
-    51 "unretract_speed" = pause.unretract_speed, "mm/s", [ranges::SPEED.spec()];
+    51 "unretract_speed" = &mut pause.unretract_speed, "mm/s", [ranges::SPEED.spec()];
     /// How far the tool is lifted off the part; 0 is not at all.
-    52 "lift" = pause.lift, "mm", [ranges::PAUSE_LIFT.spec()];
+    52 "lift" = &mut pause.lift, "mm", [ranges::PAUSE_LIFT.spec()];
     /// Whether the tool goes to the place of x and y.
-    53 "park" = pause.park, "", [Spec::SWITCH];
+    53 "park" = &mut pause.park, "", [Spec::SWITCH];
     /// x of the parking place; beyond the reachable space it is the edge.
-    54 "x" = pause.x, "mm", [ranges::PLACE.spec()];
+    54 "x" = &mut pause.x, "mm", [ranges::PLACE.spec()];
     /// y of the parking place; beyond the reachable space it is the edge.
-    55 "y" = pause.y, "mm", [ranges::PLACE.spec()];
+    55 "y" = &mut pause.y, "mm", [ranges::PLACE.spec()];
     /// Speed of the way to the parking place and back.
-    56 "travel_speed" = pause.travel_speed, "mm/s", [ranges::SPEED.spec()];
+    56 "travel_speed" = &mut pause.travel_speed, "mm/s", [ranges::SPEED.spec()];
     /// Time of a pause after which heaters go off, to be heated again before the print goes on. They go off after
     /// thermal.idle_min at the latest.
-    57 "heat_off_min" = pause.heat_off_min, "min", [ranges::PAUSE_HEAT_MIN.spec()];
+    57 "heat_off_min" = &mut pause.heat_off_min, "min", [ranges::PAUSE_HEAT_MIN.spec()];
 }

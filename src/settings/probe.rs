@@ -1,7 +1,8 @@
 //! The Z probe: its kind, its offset from the nozzle, and how it touches the bed.
 
-use super::rows::{Choice, Chosen, Field, Spec, Value, rows};
-use super::{Cartesian, Settings, ranges};
+use super::field::Number;
+use super::rows::{Choice, Spec, numbers, rows};
+use super::{Cartesian, ranges};
 use crate::units::{Mm, MmPerSec, Seconds};
 use serde::{Deserialize, Serialize};
 
@@ -21,6 +22,8 @@ pub enum ProbeKind {
 impl Choice for ProbeKind {
     const ALL: &'static [(Self, &'static str)] =
         &[(Self::None, "none"), (Self::Switch, "switch"), (Self::BlTouch, "bltouch"), (Self::Nozzle, "nozzle")];
+
+    numbers!(None Switch BlTouch Nozzle);
 }
 
 /// The probe, and how it is used. Its connector is [`Settings::probe_plug`].
@@ -79,6 +82,14 @@ impl Probe {
         }
     }
 
+    const fn switch_mut(&mut self, part: usize) -> Option<&mut bool> {
+        match part {
+            0 => Some(&mut self.homes_z),
+            1 => Some(&mut self.bed_heater_off),
+            _ => None,
+        }
+    }
+
     /// Whether there is one.
     #[must_use]
     pub const fn is_fitted(&self) -> bool {
@@ -104,48 +115,40 @@ impl Probe {
     }
 }
 
-fn parts(s: &mut Settings) -> [&mut Probe; 1] {
-    [&mut s.probe]
-}
-
 rows! {
-    for probe in parts, named &["probe"];
+    for probe in |s, _| Some(&mut s.probe), named &["probe"];
 
     /// The Z probe at the connector endstops.probe: "none"; "switch", any switch or inductive sensor; "bltouch", whose
     /// pin a servo puts out; "nozzle", which touches the bed itself.
-    110 "kind" = Chosen(&mut probe.kind), "", [Spec::choice::<ProbeKind>()];
+    110 "kind" = &mut probe.kind, "", [Spec::choice::<ProbeKind>()];
     /// Speed of the first touch at a place, which only finds the bed.
-    112 "fast" = probe.fast, "mm/s", [ranges::PROBE_SPEED.spec()];
+    112 "fast" = &mut probe.fast, "mm/s", [ranges::PROBE_SPEED.spec()];
     /// Speed of the touches that count.
-    113 "slow" = probe.slow, "mm/s", [ranges::PROBE_SPEED.spec()];
+    113 "slow" = &mut probe.slow, "mm/s", [ranges::PROBE_SPEED.spec()];
     /// Touches at a place that count; the height is their mean.
-    114 "samples" = probe.samples, "", [ranges::PROBE_SAMPLES.spec()];
+    114 "samples" = &mut probe.samples, "", [ranges::PROBE_SAMPLES.spec()];
     /// How far these touches may differ.
-    115 "tolerance" = probe.tolerance, "mm", [ranges::PROBE_TOLERANCE.spec()];
+    115 "tolerance" = &mut probe.tolerance, "mm", [ranges::PROBE_TOLERANCE.spec()];
     /// How often they are repeated if they differ more.
-    116 "retries" = probe.retries, "", [ranges::PROBE_RETRIES.spec()];
+    116 "retries" = &mut probe.retries, "", [ranges::PROBE_RETRIES.spec()];
     /// Distance of the probe from the bed between touches.
-    117 "clearance" = probe.clearance, "mm", [ranges::PROBE_CLEARANCE.spec()];
+    117 "clearance" = &mut probe.clearance, "mm", [ranges::PROBE_CLEARANCE.spec()];
     /// Distance of the probe from the bed while it is put out.
-    118 "deploy_clearance" = probe.deploy_clearance, "mm", [ranges::PROBE_CLEARANCE.spec()];
+    118 "deploy_clearance" = &mut probe.deploy_clearance, "mm", [ranges::PROBE_CLEARANCE.spec()];
     /// Speed from place to place.
-    119 "travel" = probe.travel, "mm/s", [ranges::SPEED.spec()];
+    119 "travel" = &mut probe.travel, "mm/s", [ranges::SPEED.spec()];
 }
 
 /// Rows of the switches: two parts of one row, because a record has hardly room for another row.
 pub(super) mod switches {
     use super::*;
 
-    fn parts(s: &mut Settings) -> [&mut bool; 2] {
-        [&mut s.probe.homes_z, &mut s.probe.bed_heater_off]
-    }
-
     rows! {
-        for is_on in parts, named &["probe.z_home", "probe.bed_heater_off"];
+        for is_on in |s, part| s.probe.switch_mut(part), named &["probe.z_home", "probe.bed_heater_off"];
 
         /// Whether G28 homes z by the probe instead of a switch (z_home). Whether the bed's heater is off while a touch
         /// is awaited (bed_heater_off): its current is noise for some probes.
-        120 "" = *is_on, "", [Spec::SWITCH];
+        120 "" = is_on, "", [Spec::SWITCH];
     }
 }
 
@@ -153,34 +156,28 @@ pub(super) mod switches {
 pub(super) mod quiet {
     use super::*;
 
-    fn parts(s: &mut Settings) -> [&mut Probe; 1] {
-        [&mut s.probe]
-    }
-
     rows! {
-        for probe in parts, named &["probe"];
+        for probe in |s, _| Some(&mut s.probe), named &["probe"];
 
         /// Rest before a touch.
-        121 "quiet" = probe.quiet, "s", [ranges::PROBE_QUIET.spec()];
+        121 "quiet" = &mut probe.quiet, "s", [ranges::PROBE_QUIET.spec()];
     }
 }
 
 /// A place, or none, such as the middle of the bed. Records say 0 for none, so they say the least number above 0 for
 /// the place 0: earlier records and earlier firmware mean the same by their numbers.
-pub(super) struct Place<'a>(pub &'a mut Option<Mm>);
-
-impl Field for Place<'_> {
-    fn get(&self) -> Value {
-        let zero = if self.0.is_some() { Mm::DELTA } else { Mm::ZERO };
-        self.0.filter(|place| *place != Mm::ZERO).unwrap_or(zero).get()
+impl Number for Option<Mm> {
+    fn value(&self) -> Option<i64> {
+        let zero = if self.is_some() { Mm::DELTA } else { Mm::ZERO };
+        self.filter(|place| *place != Mm::ZERO).unwrap_or(zero).value()
     }
 
-    fn set(&mut self, value: &Value) -> bool {
+    fn put(&mut self, number: i64) -> bool {
         let mut place = Mm::ZERO;
-        let is_one = place.set(value);
+        let is_one = place.put(number);
         if is_one {
             let place = (place != Mm::ZERO).then_some(place);
-            *self.0 = place.map(|place| if place == Mm::DELTA { Mm::ZERO } else { place });
+            *self = place.map(|place| if place == Mm::DELTA { Mm::ZERO } else { place });
         }
         is_one
     }
@@ -190,15 +187,11 @@ impl Field for Place<'_> {
 pub(super) mod home {
     use super::*;
 
-    fn parts(s: &mut Settings) -> [&mut Option<Mm>; 2] {
-        s.probe.home.each_mut()
-    }
-
     rows! {
-        for place in parts, named &["probe.home.x", "probe.home.y"];
+        for place in |s, part| s.probe.home.get_mut(part), named &["probe.home.x", "probe.home.y"];
 
         /// Where the probe touches to home z; "auto" is the middle of the bed.
-        122 "" = Place(place), "mm", [ranges::PLACE.spec().or_auto()];
+        122 "" = place, "mm", [ranges::PLACE.spec().or_auto()];
     }
 }
 
@@ -206,18 +199,14 @@ pub(super) mod home {
 pub(super) mod offset {
     use super::*;
 
-    fn parts(s: &mut Settings) -> [&mut Mm; 3] {
-        let Cartesian { x, y, z } = &mut s.probe.offset;
-        [x, y, z]
-    }
-
     const XY: Spec = ranges::PROBE_OFFSET.spec();
 
     rows! {
-        for offset in parts, named &["probe.offset.x", "probe.offset.y", "probe.offset.z"];
+        for offset in |s, part| s.probe.offset.get_mut(part),
+            named &["probe.offset.x", "probe.offset.y", "probe.offset.z"];
 
         /// Place of the probe minus the nozzle's. In z it is the negative height of the nozzle above the bed at which
         /// the probe triggers.
-        111 "" = *offset, "mm", [XY, XY, ranges::PROBE_OFFSET_Z.spec()], "M851" "X" "Y" "Z";
+        111 "" = offset, "mm", [XY, XY, ranges::PROBE_OFFSET_Z.spec()], "M851" "X" "Y" "Z";
     }
 }

@@ -8,7 +8,7 @@
 //! |---|---|
 //! | an id | records: it stays for ever, and is never used again for another setting |
 //! | a key | machine files and errors; behind the table of each part of the machine that has such a setting |
-//! | the field | getting and setting it |
+//! | the field, of a type that `places!` lists in `mod.rs` | getting and setting it |
 //! | a unit, and a comment with its meaning | people; not in an image, because nothing there refers to [`Text`] |
 //! | a [`Spec`]: its range and kind | all users |
 //! | its [`Line`]s, if its number is plain | G-code: reading, setting, reports, docs/reference/gcode.md |
@@ -21,71 +21,47 @@ use crate::units::{
 };
 use core::fmt::{self, Display};
 
+pub use super::field::{Field, LONGEST_TEXT, Text24, Value};
 use super::line::Line;
+pub(super) use super::spec::numbers;
 pub use super::spec::{Choice, Kind, Legal, Spec};
-use super::{Range, Settings};
-
-/// Characters of the longest text that a setting may have.
-pub const LONGEST_TEXT: usize = 24;
-
-/// A text as a value.
-pub type Text24 = heapless::String<LONGEST_TEXT>;
-
-/// A value of any type.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub enum Value {
-    /// It has none: another key of the same field has.
-    Absent,
-    /// The bits of a fixed-point number, a whole number, the number of a choice, or 0 and 1.
-    Number(i64),
-    /// A name.
-    Text(Text24),
-}
-
-/// A field that a row reads and writes.
-pub trait Field {
-    /// Its value.
-    fn get(&self) -> Value;
-
-    /// Takes a value, and returns whether it fits the type; otherwise nothing changes. Ranges are asked elsewhere.
-    #[must_use]
-    fn set(&mut self, value: &Value) -> bool;
-}
+use super::{Place, Range, Settings};
 
 /// The part of a row that all users need.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Row {
     /// Its number in records.
     pub id: u16,
-    /// The table in machine files, of each part that has such a setting; empty for a key at the top.
-    pub tables: &'static [&'static str],
+    /// The table in machine files, of each part that has such a setting; empty for a key at the top. A reference to
+    /// a slice takes half the room of a slice in each row of an image.
+    pub tables: &'static &'static [&'static str],
     /// The key behind the table; empty if the table is the key.
     pub leaf: &'static str,
     /// The legal values: one entry for all parts, or one for each.
     legal: &'static [Legal],
     /// The lines that set it: one for all parts, or one for each part from the first on. None if it is not plain.
-    pub lines: &'static [Line],
+    pub lines: &'static &'static [Line],
 }
 
 impl Row {
     /// A row.
     pub(super) const fn new(
         id: u16,
-        tables: &'static [&'static str],
+        tables: &'static &'static [&'static str],
         leaf: &'static str,
         legal: &'static [Legal],
     ) -> Self {
-        Self { id, tables, leaf, legal, lines: &[] }
+        Self { id, tables, leaf, legal, lines: &(&[] as &[Line]) }
     }
 
     /// The same, and these lines set it.
-    pub(super) const fn set_by(self, lines: &'static [Line]) -> Self {
-        let (mut others, mut is_each) = (lines, true);
+    pub(super) const fn set_by(self, lines: &'static &'static [Line]) -> Self {
+        let (mut others, mut is_each) = (*lines, true);
         while let [line, next @ ..] = others {
             is_each &= line.letters.len() == 1;
             others = next;
         }
-        let is_all = matches!(lines, [line] if line.letters.len() == self.tables.len());
+        let is_all = matches!(*lines, [line] if line.letters.len() == self.tables.len());
         assert!(is_all || is_each && lines.len() <= self.tables.len(), "a letter for each part");
         Self { lines, ..self }
     }
@@ -94,7 +70,7 @@ impl Row {
     #[must_use]
     pub fn line(&self, part: u8) -> Option<(&'static Line, &'static str)> {
         let place = usize::from(part);
-        let (line, place) = match self.lines {
+        let (line, place) = match *self.lines {
             [line] if line.is_of_axes() => (line, place),
             lines => (lines.get(place)?, 0),
         };
@@ -162,32 +138,37 @@ pub trait Visitor {
     fn visit(&mut self, key: Key, field: &mut dyn Field);
 }
 
-/// The rows of a file of this room, and the function that shows their fields to a visitor.
+/// The rows of a file of this room, and the function that finds the field of a row and a part.
 pub(crate) struct Rows {
     pub rows: &'static [Row],
-    pub visit: fn(&mut Settings, &mut dyn Visitor),
+    pub place: for<'s> fn(&'s mut Settings, u16, usize) -> Option<Place<'s>>,
 }
 
-/// Makes the rows of a file of this room: `for PART in PARTS named [TABLE of each part]`, then for each setting its
-/// comment and `ID "KEY" = FIELD, "UNIT", [SPEC];`. If a line sets it, its code and a letter for each part follow:
-/// `ID "KEY" = FIELD, "UNIT", [SPEC], "M201" "X" "Y" "Z" "E";`. Or parts have codes: `.., "M301" "P", "M304" "P";`.
+/// Makes the rows of a file of this room: `for PART in |SETTINGS, NUMBER| PART, named [TABLE of each part]`, then for
+/// each setting its comment and `ID "KEY" = FIELD, "UNIT", [SPEC];`. If a line sets it, its code and a letter for each
+/// part follow: `ID "KEY" = FIELD, "UNIT", [SPEC], "M201" "X" "Y" "Z" "E";`. Or parts have codes: `.., "M301" "P",
+/// "M304" "P";`.
 macro_rules! rows {
     (
-        for $part:ident in $parts:path, named $tables:expr;
+        for $part:ident in |$settings:ident, $number:pat_param| $its:expr, named $tables:expr;
         $(
             $(#[doc = $meaning:literal])+
-            $id:literal $leaf:literal = $field:expr, $unit:literal, [$spec:expr $(, $others:expr)*]$(, $code:literal $($letters:literal)+)*;
+            $id:literal $leaf:literal = $field:expr, $unit:literal, [$spec:expr $(, $others:expr)*]
+                $(, $code:literal $($letters:literal)+)*;
         )+
     ) => {
+        const TABLES: &[&str] = $tables;
+
         /// The rows.
         pub(in crate::settings) const ROWS: $crate::settings::rows::Rows = $crate::settings::rows::Rows {
             rows: const { &[$(
-                $crate::settings::rows::Row::new($id, const { $tables }, $leaf, const { &[$spec.legal $(, $others.legal)*] })
+                $crate::settings::rows::Row::new($id, &TABLES, $leaf, const { &[$spec.legal $(, $others.legal)*] })
                     .set_by(const {
-                        &[$($crate::settings::line::Line::new($code, &[$($letters),+], $unit, $spec.bits())),*]
+                        use $crate::settings::line::Line;
+                        &(&[$(Line::new($code, &[$($letters),+], $unit, $spec.bits())),*] as &[Line])
                     })
             ),+] },
-            visit,
+            place,
         };
 
         /// The texts of the rows for people.
@@ -197,17 +178,16 @@ macro_rules! rows {
             kind: $spec.kind,
         }),+];
 
-        fn visit(settings: &mut $crate::settings::Settings, visitor: &mut dyn $crate::settings::rows::Visitor) {
-            // One loop for all rows, not one for each, as images have little room.
-            for row in ROWS.rows {
-                for ($part, part) in $parts(settings).into_iter().zip(0..) {
-                    let key = $crate::settings::rows::Key { row, part };
-                    match row.id {
-                        $($id => visitor.visit(key, &mut $field),)+
-                        _ => {}
-                    }
-                }
-            }
+        fn place(
+            $settings: &mut $crate::settings::Settings,
+            id: u16,
+            $number: usize,
+        ) -> Option<$crate::settings::Place<'_>> {
+            let $part = $its?;
+            Some(match id {
+                $($id => $field.into(),)+
+                _ => return None,
+            })
         }
     };
 }
@@ -224,20 +204,6 @@ macro_rules! specs {
                 let is_signed = <$type>::MIN.to_bits() != 0;
                 Spec::new(self.least.to_bits() as i64, self.most.to_bits() as i64, kind).of_signed(is_signed)
             }
-        }
-
-        impl Field for $type {
-            fn get(&self) -> Value {
-                Value::Number(i64::from(self.to_bits()))
-            }
-
-            fn set(&mut self, value: &Value) -> bool {
-                let Value::Number(bits) = value else { return false };
-                // By way of a type that none of them has, so that the conversion may fail for all.
-                let Ok(bits) = i128::from(*bits).try_into() else { return false };
-                *self = Self::from_bits(bits);
-                true
-            }
         })+
     };
 }
@@ -252,63 +218,7 @@ macro_rules! whole {
             pub const fn spec(self) -> Spec {
                 Spec::new(self.least as i64, self.most as i64, Kind::Whole).of_signed(<$type>::MIN != 0)
             }
-        }
-
-        impl Field for $type {
-            fn get(&self) -> Value {
-                Value::Number(i64::from(*self))
-            }
-
-            fn set(&mut self, value: &Value) -> bool {
-                let Value::Number(number) = value else { return false };
-                let Ok(number) = (*number).try_into() else { return false };
-                *self = number;
-                true
-            }
         })+
     };
 }
 whole!(u8, u16, u32, i16);
-
-impl Field for bool {
-    fn get(&self) -> Value {
-        Value::Number((*self).into())
-    }
-
-    fn set(&mut self, value: &Value) -> bool {
-        match value {
-            Value::Number(0) => *self = false,
-            Value::Number(1) => *self = true,
-            _ => return false,
-        }
-        true
-    }
-}
-
-/// A choice as a field.
-#[derive(Debug)]
-pub struct Chosen<'a, T>(pub &'a mut T);
-
-impl<T: Choice> Field for Chosen<'_, T> {
-    fn get(&self) -> Value {
-        let number = T::ALL.iter().position(|(choice, _)| *choice == *self.0).unwrap_or_default();
-        Value::Number(number as i64)
-    }
-
-    fn set(&mut self, value: &Value) -> bool {
-        let Value::Number(number) = value else { return false };
-        let choice = usize::try_from(*number).ok().and_then(|number| T::ALL.get(number));
-        if let Some((choice, _)) = choice {
-            *self.0 = *choice;
-        }
-        choice.is_some()
-    }
-}
-
-/// A text as a value.
-pub(super) fn text(parts: [&str; 2]) -> Value {
-    let mut text = Text24::new();
-    // A name that is too long is refused, so nothing is cut off.
-    let _ = parts.into_iter().try_for_each(|part| text.push_str(part));
-    Value::Text(text)
-}

@@ -1,7 +1,6 @@
 //! Homing of z at a place: the tool rises before anything is homed, and z is homed by its switch where the bed is, or
 //! where the switch is. Klipper's `[safe_z_home]`. A probe that homes z has a place of its own ([`super::Probe`]).
 
-use super::probe::Place;
 use super::rows::{Spec, rows};
 use super::{HomedAxis, Settings, ranges};
 use crate::units::{Mm, MmPerSec};
@@ -60,38 +59,30 @@ impl Settings {
     }
 }
 
-fn parts(s: &mut Settings) -> [&mut SafeZHome; 1] {
-    [&mut s.safe_z_home]
-}
-
 rows! {
-    for home in parts, named &["safe_z_home"];
+    for home in |s, _| Some(&mut s.safe_z_home), named &["safe_z_home"];
 
     /// Height to which z rises before G28 homes anything, and after it has homed z; by so much where the place of z is
     /// not known. 0 is not at all.
-    153 "z_hop" = home.z_hop, "mm", [ranges::Z_HOP.spec()];
+    153 "z_hop" = &mut home.z_hop, "mm", [ranges::Z_HOP.spec()];
     /// Speed of that rise.
-    154 "z_hop_speed" = home.z_hop_speed, "mm/s", [ranges::SPEED.spec()];
+    154 "z_hop_speed" = &mut home.z_hop_speed, "mm/s", [ranges::SPEED.spec()];
     /// Speed to the place where z is homed, and back.
-    155 "speed" = home.speed, "mm/s", [ranges::SPEED.spec()];
+    155 "speed" = &mut home.speed, "mm/s", [ranges::SPEED.spec()];
     /// Whether the tool goes back to where x and y were before z was homed.
-    156 "move_to_previous" = home.move_to_previous, "", [Spec::SWITCH];
+    156 "move_to_previous" = &mut home.move_to_previous, "", [Spec::SWITCH];
 }
 
 /// Rows of the place.
 pub(super) mod place {
     use super::*;
 
-    fn parts(s: &mut Settings) -> [&mut Option<Mm>; 2] {
-        s.safe_z_home.place.each_mut()
-    }
-
     rows! {
-        for place in parts, named &["safe_z_home.x", "safe_z_home.y"];
+        for place in |s, part| s.safe_z_home.place.get_mut(part), named &["safe_z_home.x", "safe_z_home.y"];
 
         /// Where the nozzle is while z is homed by its switch; "auto" is where x and y stand. A probe homes z at
         /// probe.home.
-        152 "" = Place(place), "mm", [ranges::PLACE.spec().or_auto()];
+        152 "" = place, "mm", [ranges::PLACE.spec().or_auto()];
     }
 }
 

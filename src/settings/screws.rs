@@ -1,7 +1,7 @@
 //! Screws of z: where each of several z motors carries the bed or the gantry, and where the bed is probed for it (G34).
 
+use super::ranges;
 use super::rows::{Spec, rows};
-use super::{Settings, ranges};
 use crate::kinematics::SCREWS;
 use serde::{Deserialize, Serialize};
 
@@ -54,21 +54,17 @@ impl Screw {
     }
 }
 
-fn parts(s: &mut Settings) -> [&mut Screw; SCREWS] {
-    s.screws.each_mut()
-}
-
 const PLACE: Spec = ranges::SCREW_PLACE.spec().or_nowhere();
 
 rows! {
-    for screw in parts, named &["screws.1", "screws.2", "screws.3", "screws.4"];
+    for screw in |s, part| s.screws.get_mut(part), named &["screws.1", "screws.2", "screws.3", "screws.4"];
 
     /// x of the screw that the first, second.. motor of z turns (M422 W).
-    140 "x" = screw.place.x, "mm", [PLACE];
+    140 "x" = &mut screw.place.x, "mm", [PLACE];
     /// y of the screw.
-    141 "y" = screw.place.y, "mm", [PLACE];
+    141 "y" = &mut screw.place.y, "mm", [PLACE];
     /// x of the point that is probed for the screw (M422 S).
-    142 "point_x" = screw.point.x, "mm", [PLACE];
+    142 "point_x" = &mut screw.point.x, "mm", [PLACE];
     /// y of the point.
-    143 "point_y" = screw.point.y, "mm", [PLACE];
+    143 "point_y" = &mut screw.point.y, "mm", [PLACE];
 }

@@ -2,8 +2,8 @@
 //! report them, and nothing else reads them. So a broken one is reported and stops nothing. A heater on the same input
 //! has its own guards.
 
-use super::rows::{Choice, Chosen, Kind, Spec, rows};
-use super::{Settings, Thermistor};
+use super::Thermistor;
+use super::rows::{Choice, Kind, Spec, rows};
 use crate::connectors::{SENSORS, Sensor};
 use serde::{Deserialize, Serialize};
 
@@ -44,6 +44,17 @@ impl SensorSource {
 
 impl Choice for SensorSource {
     const ALL: &'static [(Self, &'static str)] = &Self::all();
+
+    fn number(self) -> u8 {
+        match self {
+            Self::At(sensor) => sensor.number(),
+            Self::Mcu => SENSORS as u8,
+        }
+    }
+
+    fn numbered(number: u8) -> Option<Self> {
+        if usize::from(number) == SENSORS { Some(Self::Mcu) } else { Sensor::numbered(number).map(Self::At) }
+    }
 }
 
 /// A sensor without a heater.
@@ -68,17 +79,13 @@ impl ExtraSensor {
     }
 }
 
-fn parts(s: &mut Settings) -> [&mut ExtraSensor; EXTRA_SENSORS] {
-    s.sensors.each_mut()
-}
-
 rows! {
-    for sensor in parts, named &["sensors.chamber", "sensors.board", "sensors.probe"];
+    for sensor in |s, part| s.sensors.get_mut(part), named &["sensors.chamber", "sensors.board", "sensors.probe"];
 
     /// Whether the machine has this sensor, which no heater depends on: M105 reports it.
-    106 "is_fitted" = sensor.is_fitted, "", [Spec::SWITCH];
+    106 "is_fitted" = &mut sensor.is_fitted, "", [Spec::SWITCH];
     /// The input of the sensor; or mcu, the sensor in the board's processor.
-    107 "sensor" = Chosen(&mut sensor.sensor), "", [Spec::choice::<SensorSource>()];
+    107 "sensor" = &mut sensor.sensor, "", [Spec::choice::<SensorSource>()];
     /// The kind of sensor at an input; or an NTC by three points (C, Ohm), or by Ohm at 25 C, B in K and a cubic term.
-    108 "thermistor" = sensor.thermistor, "", [Spec::packed((1 << 47) - 1, Kind::Thermistor).from_zero()];
+    108 "thermistor" = &mut sensor.thermistor, "", [Spec::packed((1 << 47) - 1, Kind::Thermistor).from_zero()];
 }

@@ -1,8 +1,9 @@
 //! Shaping of the trajectory so that the tool does not ring and the nozzle does not lag: input shapers, and pressure
 //! advance ([`Advance`]: its time, and the window over which the speed is averaged).
 
-use super::rows::{Choice, Chosen, Field, Spec, Value, rows};
-use super::{Settings, ranges};
+use super::field::Number;
+use super::ranges;
+use super::rows::{Choice, Spec, numbers, rows};
 use crate::units::{Hertz, Mm, Ratio, Seconds};
 use serde::{Deserialize, Serialize};
 
@@ -77,6 +78,15 @@ impl Shaper {
 }
 
 impl Shapers {
+    /// The shaper of an axis, by its number.
+    const fn get_mut(&mut self, axis: usize) -> Option<&mut Shaper> {
+        match axis {
+            0 => Some(&mut self.x),
+            1 => Some(&mut self.y),
+            _ => None,
+        }
+    }
+
     /// Off. The frequencies are 1.06 times those of the paper's machine at the centre of its bed
     /// (docs/explanation/kinematics.md): so a fixed shaper is best over the whole bed.
     #[must_use]
@@ -107,41 +117,37 @@ impl Choice for ShaperKind {
         (Self::Ei, "ei"),
         (Self::TwoHumpEi, "2hump_ei"),
     ];
-}
 
-fn parts(s: &mut Settings) -> [&mut Shaper; 2] {
-    [&mut s.shapers.x, &mut s.shapers.y]
+    numbers!(None Zv Zvd Mzv Ei TwoHumpEi);
 }
 
 rows! {
-    for shaper in parts, named &["shaper.x", "shaper.y"];
+    for shaper in |s, part| s.shapers.get_mut(part), named &["shaper.x", "shaper.y"];
 
     /// Kind of the input shaper (M593).
-    58 "kind" = Chosen(&mut shaper.kind), "", [Spec::choice::<ShaperKind>()];
+    58 "kind" = &mut shaper.kind, "", [Spec::choice::<ShaperKind>()];
     /// Frequency at which the axis rings; of an axis with a span, in its middle.
-    59 "frequency" = shaper.frequency, "Hz", [ranges::FREQUENCY.spec()];
+    59 "frequency" = &mut shaper.frequency, "Hz", [ranges::FREQUENCY.spec()];
     /// Damping of the axis as a ratio to critical damping.
-    60 "damping" = shaper.damping, "", [ranges::DAMPING.spec()];
+    60 "damping" = &mut shaper.damping, "", [ranges::DAMPING.spec()];
     /// Length of the belts that pull along the axis, both sides together, if the axis rings faster away from its
     /// middle; 0 if it rings alike everywhere.
-    61 "span" = shaper.span, "mm", [ranges::BELT_SPAN.spec().or_zero()];
+    61 "span" = &mut shaper.span, "mm", [ranges::BELT_SPAN.spec().or_zero()];
     /// Frequency at which the axis would ring if its belts were stiff and only its motors gave way; 0 is stiff motors.
-    62 "motor_frequency" = shaper.motor_frequency, "Hz", [ranges::MOTOR_FREQUENCY.spec()];
+    62 "motor_frequency" = &mut shaper.motor_frequency, "Hz", [ranges::MOTOR_FREQUENCY.spec()];
 }
 
-/// The window of pressure advance as a field: 0 is `None`.
-struct Window<'a>(&'a mut Option<Seconds>);
-
-impl Field for Window<'_> {
-    fn get(&self) -> Value {
-        self.0.unwrap_or(Seconds::ZERO).get()
+/// The window of pressure advance: 0 is `None`.
+impl Number for Option<Seconds> {
+    fn value(&self) -> Option<i64> {
+        self.unwrap_or(Seconds::ZERO).value()
     }
 
-    fn set(&mut self, value: &Value) -> bool {
+    fn put(&mut self, number: i64) -> bool {
         let mut seconds = Seconds::ZERO;
-        let is_one = seconds.set(value);
+        let is_one = seconds.put(number);
         if is_one {
-            *self.0 = (seconds != Seconds::ZERO).then_some(seconds);
+            *self = (seconds != Seconds::ZERO).then_some(seconds);
         }
         is_one
     }
@@ -151,16 +157,12 @@ impl Field for Window<'_> {
 pub(super) mod advance {
     use super::*;
 
-    fn parts(s: &mut Settings) -> [&mut Advance; 1] {
-        [&mut s.advance]
-    }
-
     rows! {
-        for advance in parts, named &["advance"];
+        for advance in |s, _| Some(&mut s.advance), named &["advance"];
 
         /// Pressure advance (M900 K, M572 S); 0 is none.
-        63 "time" = advance.time, "s", [ranges::ADVANCE.spec()];
+        63 "time" = &mut advance.time, "s", [ranges::ADVANCE.spec()];
         /// Time over which the extruder's speed is averaged (M572 W), or "auto": as long as suits the shapers.
-        64 "window" = Window(&mut advance.window), "s", [ranges::ADVANCE_WINDOW.spec().or_auto()];
+        64 "window" = &mut advance.window, "s", [ranges::ADVANCE_WINDOW.spec().or_auto()];
     }
 }

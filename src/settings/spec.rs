@@ -4,7 +4,31 @@
 pub trait Choice: Copy + PartialEq + 'static {
     /// All of them by their numbers, with their names.
     const ALL: &'static [(Self, &'static str)];
+
+    /// Its number.
+    fn number(self) -> u8;
+
+    /// The one with that number, if there is one.
+    fn numbered(number: u8) -> Option<Self>;
 }
+
+/// The numbers of a [`Choice`] with variants alone, in the order of `ALL`. Without `ALL`: an image need not have the
+/// names then.
+macro_rules! numbers {
+    ($($variant:ident)+) => {
+        fn number(self) -> u8 {
+            self as u8
+        }
+
+        fn numbered(number: u8) -> Option<Self> {
+            $(if number == Self::$variant as u8 {
+                return Some(Self::$variant);
+            })+
+            None
+        }
+    };
+}
+pub(super) use numbers;
 
 /// The kind of value of a setting: its form in a machine file.
 #[derive(Clone, Copy, Debug)]
@@ -142,4 +166,31 @@ impl Spec {
 /// The name of a choice.
 fn name_of<T: Choice>(number: usize) -> Option<&'static str> {
     T::ALL.get(number).map(|(_, name)| *name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accelerometer::{Kind as Accelerometer, SensorAxis};
+    use crate::connectors::{Output, Sensor};
+    use crate::settings::{
+        Alignment, AxisEnd, Control, FanRole, HomedAxis, OnFailure, ProbeKind, SensorSource, ShaperKind, Tachometer,
+    };
+
+    /// Whether the numbers of a choice are the places in its list.
+    fn is_numbered<T: Choice>() -> bool {
+        let is_in_place = |(place, (choice, _)): (usize, &(T, &str))| {
+            usize::from(choice.number()) == place && T::numbered(place as u8) == Some(*choice)
+        };
+        T::ALL.iter().enumerate().all(is_in_place) && T::numbered(T::ALL.len() as u8).is_none()
+    }
+
+    #[test]
+    fn the_number_of_a_choice_is_its_place_in_the_list() {
+        assert!(is_numbered::<AxisEnd>() && is_numbered::<HomedAxis>() && is_numbered::<SensorAxis>());
+        assert!(is_numbered::<Option<Accelerometer>>() && is_numbered::<SensorSource>() && is_numbered::<Sensor>());
+        assert!(is_numbered::<Output>() && is_numbered::<Control>() && is_numbered::<FanRole>());
+        assert!(is_numbered::<Tachometer>() && is_numbered::<ProbeKind>() && is_numbered::<Alignment>());
+        assert!(is_numbered::<OnFailure>() && is_numbered::<ShaperKind>());
+    }
 }

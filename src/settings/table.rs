@@ -1,7 +1,7 @@
 //! The table of all settings: the rows of each file of this room, in one order.
 
 use super::Settings;
-use super::rows::{Row, Rows, Text, Visitor};
+use super::rows::{Key, Row, Rows, Text, Visitor};
 
 /// The greatest id of a row that is gone: no other setting gets it. 0 if it is less than one in use.
 const RETIRED: u16 = 0;
@@ -76,7 +76,15 @@ files! {
 impl Settings {
     /// Shows every setting to a visitor, a row after the other, and of a row a part after the other.
     pub fn visit(&mut self, visitor: &mut dyn Visitor) {
-        ALL.iter().for_each(|file| (file.visit)(self, visitor));
+        for file in ALL {
+            for row in file.rows {
+                for part in 0..row.tables.len() {
+                    if let Some(mut place) = (file.place)(self, row.id, part) {
+                        visitor.visit(Key { row, part: part as u8 }, &mut place);
+                    }
+                }
+            }
+        }
     }
 }
 

@@ -1,7 +1,8 @@
 //! Wiring: which connector of the board each motor and each switch is plugged into.
 
+use super::field::{Field, Number, Value, text};
 use super::motor_keys::{MotorKeys, motor_keys, texts};
-use super::rows::{Field, Kind, Spec, Value, rows, text};
+use super::rows::{Kind, Spec, rows};
 use super::{Cartesian, Settings};
 use crate::connectors::{BoardConnectors, ConnectorName};
 use crate::kinematics::{self, MOST_NUMBER, Row};
@@ -148,16 +149,12 @@ impl Field for MotorName {
 pub(super) mod names {
     use super::*;
 
-    fn parts(s: &mut Settings) -> [&mut MotorName; MOTORS] {
-        s.motor_names.each_mut()
-    }
-
     rows! {
-        for name in parts, named &["motors.names"; MOTORS];
+        for name in |s, part| s.motor_names.get_mut(part), named &["motors.names"; MOTORS];
 
         /// The motors, each by a name of up to 4 letters and digits, in the order of a trace's columns. `[mechanism]`
         /// and `[motors]` call them by these names.
-        100 "" = *name, "", [Spec::text(MotorName::LONGEST, Kind::MotorName)];
+        100 "" = name, "", [Spec::text(MotorName::LONGEST, Kind::MotorName)];
     }
 }
 
@@ -167,16 +164,12 @@ pub(super) mod motors {
 
     const KEYS: MotorKeys<9> = motor_keys(*b"motors.#0");
 
-    fn parts(s: &mut Settings) -> [&mut MotorPlug; MOTORS] {
-        s.wiring.motors.each_mut()
-    }
-
     rows! {
-        for motor in parts, named &texts(&KEYS);
+        for motor in |s, part| s.wiring.motors.get_mut(part), named &texts(&KEYS);
 
         /// Socket of the motor, as printed on the board; ! before it turns the motor the other way round; empty is
         /// nowhere.
-        96 "" = *motor, "", [Spec::text(LONGEST, Kind::Plug)];
+        96 "" = motor, "", [Spec::text(LONGEST, Kind::Plug)];
     }
 }
 
@@ -184,17 +177,22 @@ pub(super) mod motors {
 pub(super) mod endstops {
     use super::*;
 
-    fn parts(s: &mut Settings) -> [&mut EndstopPlug; 4] {
-        let switches = &mut s.wiring.endstops;
-        [&mut switches.x, &mut switches.y, &mut switches.z, &mut s.probe_plug]
+    impl Settings {
+        /// The plug of the switch of x, y or z, or of the probe.
+        const fn plug_mut(&mut self, part: usize) -> Option<&mut EndstopPlug> {
+            match part {
+                3 => Some(&mut self.probe_plug),
+                axis => self.wiring.endstops.get_mut(axis),
+            }
+        }
     }
 
     rows! {
-        for plug in parts, named &["endstops.x", "endstops.y", "endstops.z", "endstops.probe"];
+        for plug in |s, part| s.plug_mut(part), named &["endstops.x", "endstops.y", "endstops.z", "endstops.probe"];
 
         /// Input of the switch or probe, which opens when it triggers; ! before it: which closes then. The board knows
         /// the level of an open input. Empty is no probe; probe.kind says how one is used, and M119 reports it.
-        97 "" = *plug, "", [Spec::text(LONGEST, Kind::Plug)];
+        97 "" = plug, "", [Spec::text(LONGEST, Kind::Plug)];
     }
 }
 
@@ -202,27 +200,22 @@ pub(super) mod endstops {
 pub(super) mod filament {
     use super::*;
 
-    fn parts(s: &mut Settings) -> [&mut EndstopPlug; 1] {
-        [&mut s.filament]
-    }
-
     rows! {
-        for plug in parts, named &["endstops.filament"];
+        for plug in |s, _| Some(&mut s.filament), named &["endstops.filament"];
 
         /// Input of the filament sensor, with a switch that opens when filament presses it; ! before it: which closes
         /// then. Empty is none. M119 reports it; so far nothing stops at the end of the filament.
-        109 "" = *plug, "", [Spec::text(LONGEST, Kind::Plug)];
+        109 "" = plug, "", [Spec::text(LONGEST, Kind::Plug)];
     }
 }
 
-impl Field for Row {
-    fn get(&self) -> Value {
+impl Number for Row {
+    fn value(&self) -> Option<i64> {
         // The number of an illegal row is out of range.
-        Value::Number(kinematics::row_number(*self).unwrap_or(i16::MAX).into())
+        Some(kinematics::row_number(*self).unwrap_or(i16::MAX).into())
     }
 
-    fn set(&mut self, value: &Value) -> bool {
-        let Value::Number(number) = *value else { return false };
+    fn put(&mut self, number: i64) -> bool {
         let row = i16::try_from(number).ok().and_then(kinematics::row_of);
         *self = row.unwrap_or(*self);
         row.is_some()
@@ -235,14 +228,10 @@ pub(super) mod mechanism {
 
     const KEYS: MotorKeys<12> = motor_keys(*b"mechanism.#0");
 
-    fn parts(s: &mut Settings) -> [&mut Row; MOTORS] {
-        s.mechanism.rows.each_mut()
-    }
-
     rows! {
-        for row in parts, named &texts(&KEYS);
+        for row in |s, part| s.mechanism.rows.get_mut(part), named &texts(&KEYS);
 
         /// Steps of the motor for one step of x, y, z and e (0 if left out): -1, 0 or 1, all times one whole number.
-        98 "" = *row, "", [Spec::packed(MOST_NUMBER as i64, Kind::MotorRow)];
+        98 "" = row, "", [Spec::packed(MOST_NUMBER as i64, Kind::MotorRow)];
     }
 }

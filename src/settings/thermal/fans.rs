@@ -2,8 +2,8 @@
 //! [`ThermalSettings`](super::ThermalSettings).
 
 use crate::connectors::FANS;
-use crate::settings::rows::{Choice, Chosen, Spec, rows};
-use crate::settings::{Range, Settings, ranges};
+use crate::settings::rows::{Choice, Spec, numbers, rows};
+use crate::settings::{Range, ranges};
 use crate::units::Ratio;
 use serde::{Deserialize, Serialize};
 
@@ -70,26 +70,25 @@ impl Choice for FanRole {
         (Self::Controller, "controller"),
         (Self::Part, "part"),
     ];
+
+    numbers!(Commanded Hotend Controller Part);
 }
 
 /// A duty.
 const DUTY: Range<Ratio> = Range { least: Ratio::ZERO, most: Ratio::ONE };
 
-fn parts(s: &mut Settings) -> [&mut FanSettings; FANS] {
-    s.thermal.fans.each_mut()
-}
-
 rows! {
-    for fan in parts, named &["fans.fan0", "fans.fan1", "fans.fan2", "fans.fan3", "fans.fan4", "fans.fan5"];
+    for fan in |s, part| s.thermal.fans.get_mut(part),
+        named &["fans.fan0", "fans.fan1", "fans.fan2", "fans.fan3", "fans.fan4", "fans.fan5"];
 
     /// What the fan does: commanded (M106), part (the same, and it cools the hotend too), hotend or controller.
-    92 "role" = Chosen(&mut fan.role), "", [Spec::choice::<FanRole>()];
+    92 "role" = &mut fan.role, "", [Spec::choice::<FanRole>()];
     /// Time of full power at its start.
-    93 "kick_ms" = fan.kick_ms, "ms", [ranges::KICK_MS.spec()];
+    93 "kick_ms" = &mut fan.kick_ms, "ms", [ranges::KICK_MS.spec()];
     /// Duty at the lowest speed, of 1.
-    94 "least" = fan.least, "", [DUTY.spec()];
+    94 "least" = &mut fan.least, "", [DUTY.spec()];
     /// Duty at full speed, of 1.
-    95 "most" = fan.most, "", [ranges::MAX_DUTY.spec()];
+    95 "most" = &mut fan.most, "", [ranges::MAX_DUTY.spec()];
 }
 
 #[cfg(test)]

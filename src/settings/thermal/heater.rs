@@ -1,9 +1,9 @@
 //! A heater: its output, its sensor, its model, and the limits of normal behaviour.
 
 use super::Thermistor;
-use crate::connectors::{HEATERS, Output, Sensor};
-use crate::settings::rows::{Choice, Chosen, Kind, Spec, rows};
-use crate::settings::{Settings, ranges};
+use crate::connectors::{Output, Sensor};
+use crate::settings::ranges;
+use crate::settings::rows::{Choice, Kind, Spec, numbers, rows};
 use crate::units::{Celsius, JoulesPerKelvin, Ratio, Seconds, Watts, WattsPerKelvin};
 use serde::{Deserialize, Serialize};
 
@@ -202,66 +202,68 @@ impl Guards {
 
 impl Choice for Output {
     const ALL: &'static [(Self, &'static str)] = &Self::ALL;
+
+    numbers!(Bed He0 He1 He2 He3);
 }
 
 impl Choice for Sensor {
     const ALL: &'static [(Self, &'static str)] = &Self::ALL;
+
+    numbers!(Bed Hotend0 Hotend1 Hotend2 Hotend3);
 }
 
 impl Choice for Control {
     const ALL: &'static [(Self, &'static str)] = &[(Self::Model, "model"), (Self::Pid, "pid")];
-}
 
-fn parts(s: &mut Settings) -> [&mut HeaterSettings; HEATERS] {
-    let heaters = &mut s.thermal.heaters;
-    [&mut heaters.hotend, &mut heaters.bed, &mut heaters.chamber]
+    numbers!(Model Pid);
 }
 
 rows! {
-    for heater in parts, named &["heaters.hotend", "heaters.bed", "heaters.chamber"];
+    for heater in |s, part| s.thermal.heaters.get_mut(part),
+        named &["heaters.hotend", "heaters.bed", "heaters.chamber"];
 
     /// Whether the machine has it.
-    70 "is_fitted" = heater.is_fitted, "", [Spec::SWITCH];
+    70 "is_fitted" = &mut heater.is_fitted, "", [Spec::SWITCH];
     /// The output that it is connected to.
-    71 "output" = Chosen(&mut heater.output), "", [Spec::choice::<Output>()];
+    71 "output" = &mut heater.output, "", [Spec::choice::<Output>()];
     /// The input of its temperature sensor.
-    72 "sensor" = Chosen(&mut heater.sensor), "", [Spec::choice::<Sensor>()];
+    72 "sensor" = &mut heater.sensor, "", [Spec::choice::<Sensor>()];
     /// The kind of sensor; or an NTC by three points (C, Ohm), or by Ohm at 25 C, B in K and a cubic term.
-    73 "thermistor" = heater.thermistor, "", [Spec::packed((1 << 47) - 1, Kind::Thermistor).from_zero()];
+    73 "thermistor" = &mut heater.thermistor, "", [Spec::packed((1 << 47) - 1, Kind::Thermistor).from_zero()];
     /// Highest target.
-    74 "most" = heater.most, "C", [ranges::HOTEND.spec(), ranges::BED.spec(), ranges::BED.spec()];
+    74 "most" = &mut heater.most, "C", [ranges::HOTEND.spec(), ranges::BED.spec(), ranges::BED.spec()];
     /// Power at full duty.
-    75 "power" = heater.power, "W", [ranges::POWER.spec()];
+    75 "power" = &mut heater.power, "W", [ranges::POWER.spec()];
     /// Highest duty, of 1.
-    76 "max_duty" = heater.max_duty, "", [ranges::MAX_DUTY.spec()];
+    76 "max_duty" = &mut heater.max_duty, "", [ranges::MAX_DUTY.spec()];
     /// Period of a relay; 0 is the board's own modulation.
-    77 "period_ms" = heater.period_ms, "ms", [ranges::RELAY_MS.spec()];
+    77 "period_ms" = &mut heater.period_ms, "ms", [ranges::RELAY_MS.spec()];
     /// Whether its model or PID finds the power.
-    78 "control" = Chosen(&mut heater.control), "", [Spec::choice::<Control>()];
+    78 "control" = &mut heater.control, "", [Spec::choice::<Control>()];
     /// Heat capacity (M306 C). M303 finds out the model.
-    79 "model.capacity" = heater.model.capacity, "J/K", [ranges::CAPACITY.spec()];
+    79 "model.capacity" = &mut heater.model.capacity, "J/K", [ranges::CAPACITY.spec()];
     /// Heat lost to the room (M306 A).
-    80 "model.loss" = heater.model.loss, "W/K", [ranges::LOSS.spec()];
+    80 "model.loss" = &mut heater.model.loss, "W/K", [ranges::LOSS.spec()];
     /// Heat lost in addition with the part fan at full speed (M306 F).
-    81 "model.fan_loss" = heater.model.fan_loss, "W/K", [ranges::LOSS.spec().from_zero()];
+    81 "model.fan_loss" = &mut heater.model.fan_loss, "W/K", [ranges::LOSS.spec().from_zero()];
     /// Time constant from the heating element to the heated part (M306 L).
-    82 "model.heater_lag" = heater.model.heater_lag, "s", [ranges::LAG.spec()];
+    82 "model.heater_lag" = &mut heater.model.heater_lag, "s", [ranges::LAG.spec()];
     /// Time constant from the heated part to the sensor's reading (M306 R).
-    83 "model.sensor_lag" = heater.model.sensor_lag, "s", [ranges::LAG.spec()];
+    83 "model.sensor_lag" = &mut heater.model.sensor_lag, "s", [ranges::LAG.spec()];
     /// Duty of 255 for each K.
-    84 "pid.p" = heater.pid.p, "1/K", [ranges::GAIN.spec()], "M301" "P", "M304" "P";
+    84 "pid.p" = &mut heater.pid.p, "1/K", [ranges::GAIN.spec()], "M301" "P", "M304" "P";
     /// Duty of 255 for each K and second.
-    85 "pid.i" = heater.pid.i, "1/(K s)", [ranges::GAIN.spec()], "M301" "I", "M304" "I";
+    85 "pid.i" = &mut heater.pid.i, "1/(K s)", [ranges::GAIN.spec()], "M301" "I", "M304" "I";
     /// Duty of 255 for each K/s.
-    86 "pid.d" = heater.pid.d, "s/K", [ranges::GAIN.spec()], "M301" "D", "M304" "D";
+    86 "pid.d" = &mut heater.pid.d, "s/K", [ranges::GAIN.spec()], "M301" "D", "M304" "D";
     /// It has to warm up by at least this part of the warming that its model predicts.
-    87 "guards.heating" = heater.guards.heating, "", [ranges::HEATING.spec()];
+    87 "guards.heating" = &mut heater.guards.heating, "", [ranges::HEATING.spec()];
     /// A reached target is lost when the temperature is so far from it for lost_s.
-    88 "guards.lost" = heater.guards.lost, "K", [ranges::LOST.spec()];
+    88 "guards.lost" = &mut heater.guards.lost, "K", [ranges::LOST.spec()];
     /// Time for which a reached target may be missed by more than lost.
-    89 "guards.lost_s" = heater.guards.lost_s, "s", [ranges::LOST_S.spec()];
+    89 "guards.lost_s" = &mut heater.guards.lost_s, "s", [ranges::LOST_S.spec()];
     /// Rise without power that is a fault.
-    90 "guards.off_rise" = heater.guards.off_rise, "K", [ranges::OFF_RISE.spec()];
+    90 "guards.off_rise" = &mut heater.guards.off_rise, "K", [ranges::OFF_RISE.spec()];
     /// Overshoot without power that is a fault.
-    91 "guards.overshoot" = heater.guards.overshoot, "K", [ranges::OVERSHOOT.spec()];
+    91 "guards.overshoot" = &mut heater.guards.overshoot, "K", [ranges::OVERSHOOT.spec()];
 }

@@ -12,8 +12,8 @@ pub use heater::{Control, Guards, HeaterModel, HeaterSettings, Pid};
 pub use plausible::Plausible;
 pub use thermistor::{Law, SHEETS, Sheet, Thermistor};
 
+use super::ranges;
 use super::rows::rows;
-use super::{Settings, ranges};
 use crate::connectors::{FANS, HEATERS, Heater, Output, Sensor};
 use crate::units::{Celsius, WattsPerKelvin};
 use serde::{Deserialize, Serialize};
@@ -33,6 +33,16 @@ impl Heaters {
     /// All of them, in the order of [`Heater::ALL`].
     pub const fn all(&self) -> [&HeaterSettings; HEATERS] {
         [&self.hotend, &self.bed, &self.chamber]
+    }
+
+    /// One of them, by its place there.
+    const fn get_mut(&mut self, heater: usize) -> Option<&mut HeaterSettings> {
+        match heater {
+            0 => Some(&mut self.hotend),
+            1 => Some(&mut self.bed),
+            2 => Some(&mut self.chamber),
+            _ => None,
+        }
     }
 }
 
@@ -105,23 +115,19 @@ impl ThermalSettings {
     }
 }
 
-fn parts(s: &mut Settings) -> [&mut ThermalSettings; 1] {
-    [&mut s.thermal]
-}
-
 rows! {
-    for thermal in parts, named &["thermal"];
+    for thermal in |s, _| Some(&mut s.thermal), named &["thermal"];
 
     /// No filament moves while the hotend is colder (M302 S).
-    65 "min_extrude" = thermal.min_extrude, "C", [ranges::MIN_EXTRUDE.spec()];
+    65 "min_extrude" = &mut thermal.min_extrude, "C", [ranges::MIN_EXTRUDE.spec()];
     /// The hotend's fan runs above this temperature.
-    66 "hotend_fan_above" = thermal.hotend_fan_above, "C", [ranges::COLD_END.spec()];
+    66 "hotend_fan_above" = &mut thermal.hotend_fan_above, "C", [ranges::COLD_END.spec()];
     /// Time for which the controller's fan runs on after the last motor or heater.
-    67 "fan_run_on_s" = thermal.fan_run_on_s, "s", [ranges::RUN_ON_S.spec()];
+    67 "fan_run_on_s" = &mut thermal.fan_run_on_s, "s", [ranges::RUN_ON_S.spec()];
     /// Time without use after which heaters go off.
-    68 "idle_min" = thermal.idle_min, "min", [ranges::IDLE_MIN.spec()];
+    68 "idle_min" = &mut thermal.idle_min, "min", [ranges::IDLE_MIN.spec()];
     /// Heat that a mm of filament takes for each K.
-    69 "filament" = thermal.filament, "J/(mm K)", [ranges::FILAMENT.spec()];
+    69 "filament" = &mut thermal.filament, "J/(mm K)", [ranges::FILAMENT.spec()];
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! Thermistors: kinds of temperature sensor. A kind with a data sheet is a row of [`SHEETS`]. Its name in machine
 //! files, its number in records, its curve (`thermal::sensor`) and its law in the simulated plant come from there.
 
+use crate::settings::field::Number;
 use crate::settings::ranges;
-use crate::settings::rows::{Field, Value};
 use serde::{Deserialize, Serialize};
 
 /// The values of a data sheet.
@@ -103,10 +103,10 @@ impl Thermistor {
     const LEAST_BETA: i64 = ranges::BETA.least as i64;
 }
 
-impl Field for Thermistor {
+impl Number for Thermistor {
     /// The number of a kind; of any other NTC 255, its Ohm and its B, or 254, its Ohm, its B and its C.
-    fn get(&self) -> Value {
-        Value::Number(match *self {
+    fn value(&self) -> Option<i64> {
+        Some(match *self {
             Self::Sheet(place) => place.into(),
             Self::Beta { ohms, beta, cubic: 0 } => {
                 let ohms = i64::from(ohms) << Self::KIND_BITS;
@@ -119,8 +119,7 @@ impl Field for Thermistor {
         })
     }
 
-    fn set(&mut self, value: &Value) -> bool {
-        let Value::Number(number) = *value else { return false };
+    fn put(&mut self, number: i64) -> bool {
         let kind = number & 0xFF;
         // Any bits give some NTC; `Settings::check` has its ranges.
         if kind == Self::BETA {
