@@ -3,9 +3,9 @@
 use super::ranges;
 use super::rows::{Field, Key, Value, Visitor};
 use super::thermal::{ThermalSettings, Thermistor};
-use super::{DriverGroups, EXTRA_SENSORS, Endstop, HomedAxis, OwnDriver, Range, Settings};
+use super::{Axes, DriverGroups, EXTRA_SENSORS, Endstop, HomedAxis, OwnDriver, Range, Settings};
 use crate::connectors::{FANS, HEATERS, Heater};
-use crate::kinematics::{MechanismError, multiple};
+use crate::kinematics::{MechanismError, Row, multiple};
 use crate::motors::{Motor, MotorName, MotorSet};
 use crate::units::{Mm, MmPerSec, Seconds, StepsPerMm};
 
@@ -139,8 +139,9 @@ fn endstop(e: Endstop, reach: Range<Mm>, key: &'static str) -> Result<(), Settin
 }
 
 fn thermal(t: &ThermalSettings) -> Result<(), SettingsError> {
-    let heaters = t.heaters.all().into_iter().zip(THERMISTORS);
-    heaters.map(|(heater, key)| (heater.thermistor, key)).try_for_each(thermistor)?;
+    for (heater, key) in t.heaters.all().into_iter().zip(&THERMISTORS) {
+        thermistor(heater.thermistor, key)?;
+    }
     for (a, b) in [(Heater::Hotend, Heater::Bed), (Heater::Hotend, Heater::Chamber), (Heater::Bed, Heater::Chamber)] {
         let (a, b) = (t.heater(a), t.heater(b));
         if a.is_fitted && b.is_fitted && a.output == b.output {
@@ -150,16 +151,32 @@ fn thermal(t: &ThermalSettings) -> Result<(), SettingsError> {
             return Err(SettingsError::SharedHeater("sensor"));
         }
     }
-    t.fans.iter().zip(FAN_DUTIES).try_for_each(|(fan, key)| legal_beside(fan.least <= fan.most, key))
+    for (fan, key) in t.fans.iter().zip(&FAN_DUTIES) {
+        legal_beside(fan.least <= fan.most, key)?;
+    }
+    Ok(())
 }
 
-fn thermistor((kind, key): (Thermistor, &'static str)) -> Result<(), SettingsError> {
+fn thermistor(kind: Thermistor, key: &'static str) -> Result<(), SettingsError> {
     let is_legal = match kind {
         Thermistor::Sheet(_) => kind.sheet().is_some(),
         Thermistor::Beta { ohms, beta, .. } => ranges::OHMS.holds(ohms) && ranges::BETA.holds(beta),
     };
     legal_beside(is_legal, key)
 }
+
+/// Keys of axes.
+const AXES: [&str; 4] = ["axes.x", "axes.y", "axes.z", "axes.e"];
+
+/// Keys of the lengths of axes, and of the places of their switches.
+const LENGTHS: [(&str, &str); 3] = [
+    ("axes.x.length", "homing.x.position"),
+    ("axes.y.length", "homing.y.position"),
+    ("axes.z.length", "homing.z.position"),
+];
+
+/// Keys of groups of drivers.
+const GROUPS: [&str; 3] = ["drivers.belt", "drivers.z", "drivers.e"];
 
 /// Keys of thermistors without a heater.
 const EXTRA_THERMISTORS: [&str; EXTRA_SENSORS] =
@@ -206,10 +223,8 @@ impl Settings {
         if let Some(key) = found.first {
             return Err(SettingsError::OutOfRange(key));
         }
-        let a = &self.axes;
-        for (number, (axis, name)) in
-            [(&a.x, "axes.x"), (&a.y, "axes.y"), (&a.z, "axes.z"), (&a.e, "axes.e")].into_iter().enumerate()
-        {
+        let Axes { x, y, z, e } = &self.axes;
+        for (number, (axis, name)) in [x, y, z, e].into_iter().zip(&AXES).enumerate() {
             let finest = self.finest(number);
             // A motor with a multiple makes more steps than the axis has.
             legal_beside(ranges::STEPS_PER_MM.holds(finest), name)?;
@@ -222,12 +237,7 @@ impl Settings {
         }
         // As a row this is no window, which is legal.
         legal_beside(self.advance.window != Some(Seconds::ZERO), "advance.window")?;
-        let keys = [
-            ("axes.x.length", "homing.x.position"),
-            ("axes.y.length", "homing.y.position"),
-            ("axes.z.length", "homing.z.position"),
-        ];
-        for (axis, (length, position)) in HomedAxis::ALL.into_iter().zip(keys) {
+        for (axis, (length, position)) in HomedAxis::ALL.into_iter().zip(&LENGTHS) {
             let reach = self.reach(axis);
             legal_beside(ranges::PLACE.holds(reach.most), length)?;
             endstop(self.endstops.of(axis), reach, position)?;
@@ -238,9 +248,8 @@ impl Settings {
         if self.probe.homes_z && !self.probe.is_fitted() {
             return Err(SettingsError::NoProbe);
         }
-        for (driver, group) in
-            [(&self.drivers.belt, "drivers.belt"), (&self.drivers.z, "drivers.z"), (&self.drivers.e, "drivers.e")]
-        {
+        let DriverGroups { belt, z, e, own: _ } = &self.drivers;
+        for (driver, group) in [belt, z, e].into_iter().zip(&GROUPS) {
             if !driver.microsteps.is_power_of_two() {
                 return Err(SettingsError::NoSuchMicrosteps(group));
             }
@@ -248,8 +257,9 @@ impl Settings {
         self.check_motor_names()?;
         self.check_own_drivers()?;
         self.check_microsteps()?;
-        let extra = self.sensors.iter().zip(EXTRA_THERMISTORS);
-        extra.map(|(sensor, key)| (sensor.thermistor, key)).try_for_each(thermistor)?;
+        for (sensor, key) in self.sensors.iter().zip(&EXTRA_THERMISTORS) {
+            thermistor(sensor.thermistor, key)?;
+        }
         thermal(&self.thermal)
     }
 
@@ -287,13 +297,13 @@ impl Settings {
     /// microsteps. With the same microsteps their rows may differ, because pulleys may; with others, rows must be in
     /// the same ratio.
     fn check_microsteps(&self) -> Result<(), SettingsError> {
-        let rows = || Motor::ALL.into_iter().zip(self.mechanism.rows);
-        for (a, row) in rows() {
-            for (b, other) in rows().skip(a.index() + 1) {
-                let shares = row.iter().zip(other).any(|(times, others)| *times != 0 && others != 0);
+        let full_steps = |row: &Row, other: u16| u32::from(multiple(*row).unsigned_abs()) * u32::from(other);
+        let rows = &self.mechanism.rows;
+        for (a, row) in Motor::ALL.into_iter().zip(rows) {
+            for (b, other) in Motor::ALL.into_iter().zip(rows).skip(a.index() + 1) {
+                let shares = row.iter().zip(other).any(|(times, others)| *times != 0 && *others != 0);
                 let ((first, key), (second, other_key)) = (self.driver_group(a), self.driver_group(b));
                 let microsteps = [first.microsteps, second.microsteps];
-                let full_steps = |row, other: u16| u32::from(multiple(row).unsigned_abs()) * u32::from(other);
                 if shares
                     && first.microsteps != second.microsteps
                     && full_steps(row, second.microsteps) != full_steps(other, first.microsteps)

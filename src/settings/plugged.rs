@@ -3,7 +3,7 @@
 
 use super::{FanPlug, PLACES, ProbeKind, SensorSource, Settings, Wiring};
 use crate::connectors::{BoardConnectors, ConnectorName, FANS, Heater, Output, Sensor};
-use crate::motors::MotorName;
+use crate::motors::{MOTORS, MotorName};
 use core::fmt::{self, Display};
 
 /// A part with a connector of its own.
@@ -69,23 +69,26 @@ impl Settings {
     /// # Errors
     /// The first that is wrong.
     pub fn check_connectors(&self, board: &'static BoardConnectors) -> Result<(), ConnectorError> {
-        let motors = self.mechanism.fitted().iter();
-        let motors = motors.map(|motor| (Plugged::Motor(self.name_of(motor)), self.wiring.of(motor).connector));
-        check(motors, board, |_, a, b| a == b)?;
+        let mut plugs = Plugs::new();
+        for motor in self.mechanism.fitted().iter() {
+            plugs.add(Plugged::Motor(self.name_of(motor)), self.wiring.of(motor).connector, true);
+        }
+        plugs.check(board, |_, a, b| a == b)?;
+        let mut contacts = Plugs::new();
         let axes = &self.wiring.endstops;
-        let switches = [("x", axes.x), ("y", axes.y), ("z", axes.z)].into_iter();
-        let switches = switches.map(|(axis, plug)| (Plugged::Endstop(axis), plug.connector));
-        let others = [(Plugged::Probe, self.probe_plug.connector), (Plugged::Filament, self.filament.connector)];
-        let is_needed = |part: Plugged| match part {
-            Plugged::Probe => self.probe.is_fitted(),
-            Plugged::Endstop("z") => !self.homes_z_by_probe(),
-            Plugged::Filament | Plugged::Tachometer(_) => false,
-            Plugged::Endstop(_) | Plugged::Motor(_) => true,
-        };
-        let tachometers = (0..).zip(self.fans).map(|(fan, plug)| (Plugged::Tachometer(fan), plug.tachometer.input()));
-        let contacts = switches.chain(others).chain(tachometers);
-        let contacts = contacts.filter(|(part, connector)| !connector.is_none() || is_needed(*part));
-        check(contacts, board, BoardConnectors::is_one_line)?;
+        for (part, plug, is_needed) in [
+            (Plugged::Endstop("x"), &axes.x, true),
+            (Plugged::Endstop("y"), &axes.y, true),
+            (Plugged::Endstop("z"), &axes.z, !self.homes_z_by_probe()),
+            (Plugged::Probe, &self.probe_plug, self.probe.is_fitted()),
+            (Plugged::Filament, &self.filament, false),
+        ] {
+            contacts.add(part, plug.connector, is_needed);
+        }
+        for (fan, plug) in (0..).zip(&self.fans) {
+            contacts.add(Plugged::Tachometer(fan), plug.tachometer.input(), false);
+        }
+        contacts.check(board, BoardConnectors::is_one_line)?;
         if board.is_simulated {
             return Ok(());
         }
@@ -95,24 +98,28 @@ impl Settings {
         if self.accelerometer.kind.is_some() && board.accelerometer.is_none() {
             return Err(ConnectorError::NoAccelerometer(board));
         }
-        Heater::ALL.into_iter().try_for_each(|heater| self.check_heater(heater, board))?;
-        self.check_fans(board)?;
-        let has = |source| match source {
-            SensorSource::At(sensor) => board.sensors.contains(&sensor),
-            SensorSource::Mcu => board.has_mcu_sensor(),
-        };
-        match PLACES.iter().zip(self.sensors).find(|(_, extra)| extra.is_fitted && !has(extra.sensor)) {
-            Some(((place, _), extra)) => Err(ConnectorError::NoSuchExtraSensor(place, extra.sensor, board)),
-            None => Ok(()),
+        for heater in Heater::ALL {
+            self.check_heater(heater, board)?;
         }
+        self.check_fans(board)?;
+        for ((place, _), extra) in PLACES.iter().zip(&self.sensors) {
+            let is_there = match extra.sensor {
+                SensorSource::At(sensor) => board.sensors.contains(&sensor),
+                SensorSource::Mcu => board.has_mcu_sensor(),
+            };
+            if extra.is_fitted && !is_there {
+                return Err(ConnectorError::NoSuchExtraSensor(place, extra.sensor, board));
+            }
+        }
+        Ok(())
     }
 
     /// Each fan with a frequency is on a timer that has no other.
     fn check_fans(&self, board: &'static BoardConnectors) -> Result<(), ConnectorError> {
         let shared = self.fan_frequencies(board);
-        for (fan, (plug, has)) in (0..).zip(self.fans.into_iter().zip(shared)) {
+        for (fan, (plug, has)) in (0..).zip(self.fans.iter().zip(shared)) {
             match board.fans.get(usize::from(fan)) {
-                _ if plug == FanPlug::PLAIN => {}
+                _ if *plug == FanPlug::PLAIN => {}
                 None => return Err(ConnectorError::NoSuchFan(fan, board)),
                 Some(None) if plug.frequency > 0 => return Err(ConnectorError::FixedFan(fan, board)),
                 Some(_) if plug.frequency > 0 && plug.frequency != has => {
@@ -128,9 +135,11 @@ impl Settings {
     #[must_use]
     pub fn fan_frequencies(&self, board: &BoardConnectors) -> [u16; FANS] {
         let mut all = [0; FANS];
-        for (timer, plug) in board.fans.iter().zip(self.fans) {
-            for (place, _) in all.iter_mut().zip(board.fans).filter(|(_, other)| timer.is_some() && *other == timer) {
-                *place = if *place == 0 { plug.frequency } else { *place };
+        for (timer, plug) in board.fans.iter().zip(&self.fans) {
+            for (place, other) in all.iter_mut().zip(board.fans) {
+                if *place == 0 && timer.is_some() && other == timer {
+                    *place = plug.frequency;
+                }
             }
         }
         all
@@ -148,26 +157,51 @@ impl Settings {
     }
 }
 
-fn check(
-    plugs: impl Iterator<Item = (Plugged, ConnectorName)> + Clone,
-    board: &'static BoardConnectors,
-    is_one: fn(&BoardConnectors, ConnectorName, ConnectorName) -> bool,
-) -> Result<(), ConnectorError> {
-    for (at, (part, connector)) in plugs.clone().enumerate() {
-        if connector.is_none() {
-            if !board.is_bench {
-                return Err(ConnectorError::Nowhere(part, board));
-            }
-            continue;
-        }
-        if !board.is_simulated && !part.connectors_of(board).contains(&connector) {
-            return Err(ConnectorError::NoSuch(part, connector, board));
-        }
-        if let Some((other, earlier)) = plugs.clone().take(at).find(|(_, earlier)| is_one(board, *earlier, connector)) {
-            return Err(ConnectorError::Twice([other, part], [earlier, connector]));
+/// Parts with the connectors that they are plugged into.
+struct Plugs(heapless::Vec<(Plugged, ConnectorName), MOST_PLUGS>);
+
+/// The motors, or all contacts: of three axes, the probe, filament and the fans.
+const MOST_PLUGS: usize = if MOTORS > 5 + FANS { MOTORS } else { 5 + FANS };
+
+impl Plugs {
+    const fn new() -> Self {
+        Self(heapless::Vec::new())
+    }
+
+    /// Adds a part, unless it has no connector and needs none.
+    #[inline(never)]
+    fn add(&mut self, part: Plugged, connector: ConnectorName, is_needed: bool) {
+        if is_needed || !connector.is_none() {
+            // There is room for all.
+            let _ = self.0.push((part, connector));
         }
     }
-    Ok(())
+
+    /// Checks that the board has each connector, and that no two are one.
+    #[inline(never)]
+    fn check(
+        &self,
+        board: &'static BoardConnectors,
+        is_one: fn(&BoardConnectors, ConnectorName, ConnectorName) -> bool,
+    ) -> Result<(), ConnectorError> {
+        let mut earlier: &[(Plugged, ConnectorName)] = &[];
+        let mut left = self.0.as_slice();
+        while let [(part, connector), others @ ..] = left {
+            let (part, connector) = (*part, *connector);
+            if connector.is_none() {
+                if !board.is_bench {
+                    return Err(ConnectorError::Nowhere(part, board));
+                }
+            } else if !board.is_simulated && !part.connectors_of(board).contains(&connector) {
+                return Err(ConnectorError::NoSuch(part, connector, board));
+            } else if let Some((other, its)) = earlier.iter().find(|(_, its)| is_one(board, *its, connector)) {
+                return Err(ConnectorError::Twice([*other, part], [*its, connector]));
+            }
+            left = others;
+            earlier = self.0.get(..self.0.len() - left.len()).unwrap_or_default();
+        }
+        Ok(())
+    }
 }
 
 impl Plugged {
@@ -197,11 +231,11 @@ impl Display for ConnectorError {
         match self {
             Self::Nowhere(part, board) => {
                 write!(f, "{part}: it has no connector; the {} has ", board.name)?;
-                list(f, sorted(part.connectors_of(board)))
+                list_connectors(f, part.connectors_of(board))
             }
             Self::NoSuch(part, connector, board) => {
                 write!(f, "{part}: the {} has no connector {connector}; it has ", board.name)?;
-                list(f, sorted(part.connectors_of(board)))
+                list_connectors(f, part.connectors_of(board))
             }
             Self::Twice([a, b], [one, other]) if one == other => {
                 write!(f, "{a} and {b} have the same connector, {one}")
@@ -211,17 +245,23 @@ impl Display for ConnectorError {
             }
             Self::NoSuchOutput(heater, output, board) => {
                 write!(f, "heater {}: the {} has no output {}; it has ", heater.name(), board.name, output.name())?;
-                list(f, Output::ALL.into_iter().filter(|(o, _)| board.outputs.has(*o)).map(|(_, name)| name))
+                let mut list = List::new(f);
+                for (output, name) in &Output::ALL {
+                    if board.outputs.has(*output) {
+                        list.item(name)?;
+                    }
+                }
+                list.end()
             }
             Self::NoSuchSensor(heater, sensor, board) => {
                 write!(f, "heater {}: the {} has no sensor {}; it has ", heater.name(), board.name, sensor.name())?;
-                list(f, board.sensors.iter().map(|sensor| sensor.name()))
+                list_sensors(f, board.sensors)
             }
             Self::NoServo(board) => write!(f, "probe: the {} has no servo line for a bltouch", board.name),
             Self::NoAccelerometer(board) => write!(f, "accelerometer: the {} has no connector for one", board.name),
             Self::NoSuchExtraSensor(place, sensor, board) => {
                 write!(f, "sensor {place}: the {} has no sensor {}; it has ", board.name, sensor.name())?;
-                list(f, board.sensors.iter().map(|sensor| sensor.name()))
+                list_sensors(f, board.sensors)
             }
             Self::NoSuchFan(fan, board) | Self::FixedFan(fan, board) => {
                 let is_fixed = matches!(self, Self::FixedFan(..));
@@ -237,19 +277,49 @@ impl Display for ConnectorError {
 
 impl core::error::Error for ConnectorError {}
 
-/// Names in the order of their characters.
-fn sorted(names: &[ConnectorName]) -> impl Iterator<Item = ConnectorName> {
-    let after = |last: ConnectorName| names.iter().copied().filter(|name| *name > last).min();
-    core::iter::successors(after(ConnectorName::NONE), move |last| after(*last))
+/// A list of names with commas, or "none".
+struct List<'a, 'b> {
+    f: &'a mut fmt::Formatter<'b>,
+    is_empty: bool,
 }
 
-fn list(f: &mut fmt::Formatter<'_>, names: impl Iterator<Item = impl Display>) -> fmt::Result {
-    let mut is_empty = true;
-    for name in names {
-        write!(f, "{}{name}", if is_empty { "" } else { ", " })?;
-        is_empty = false;
+impl<'a, 'b> List<'a, 'b> {
+    const fn new(f: &'a mut fmt::Formatter<'b>) -> Self {
+        Self { f, is_empty: true }
     }
-    if is_empty { f.write_str("none") } else { Ok(()) }
+
+    #[inline(never)]
+    fn item(&mut self, name: &str) -> fmt::Result {
+        if !self.is_empty {
+            self.f.write_str(", ")?;
+        }
+        self.is_empty = false;
+        self.f.write_str(name)
+    }
+
+    fn end(self) -> fmt::Result {
+        if self.is_empty { self.f.write_str("none") } else { Ok(()) }
+    }
+}
+
+/// Connectors in the order of their characters.
+#[inline(never)]
+fn list_connectors(f: &mut fmt::Formatter<'_>, names: &[ConnectorName]) -> fmt::Result {
+    let (mut list, mut last) = (List::new(f), ConnectorName::NONE);
+    while let Some(next) = names.iter().filter(|name| **name > last).min() {
+        list.item(next.as_str())?;
+        last = *next;
+    }
+    list.end()
+}
+
+#[inline(never)]
+fn list_sensors(f: &mut fmt::Formatter<'_>, sensors: &[Sensor]) -> fmt::Result {
+    let mut list = List::new(f);
+    for sensor in sensors {
+        list.item(sensor.name())?;
+    }
+    list.end()
 }
 
 #[cfg(test)]

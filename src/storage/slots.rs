@@ -189,7 +189,7 @@ pub async fn save(storage: &mut impl Storage, settings: &Settings) -> Result<Rec
         let mut newest = None;
         find_newest(storage, None, &mut newest).await?;
         match &newest {
-            Some(newest) if newest.settings == *settings => return Ok(newest.receipt),
+            Some(newest) if newest.settings.has_values_of(settings) => return Ok(newest.receipt),
             Some(newest) => (newest.slot.other(), newest.sequence.wrapping_add(1), newest.unknown),
             None => (Slot::A, 1, Unknown::NONE),
         }
