@@ -81,7 +81,8 @@ const MAGIC: u32 = 0xC0FA_0001;
 
 /// The checksum of all words but the last.
 fn checksum(words: &[u32; WORDS]) -> u32 {
-    crc32(words[..WORDS - 1].iter().flat_map(|word| word.to_le_bytes()))
+    let bytes = words.map(u32::to_le_bytes);
+    crc32(&[bytes[..WORDS - 1].as_flattened()])
 }
 
 #[cfg(test)]

@@ -17,9 +17,10 @@
 //! one before it counts.
 
 use super::map::{MESH, NEEDED, PAGE};
+use super::out::Out;
 use crate::checksum::crc32;
 use crate::port::{Storage, StorageError};
-use crate::settings::{Axes, Settings};
+use crate::settings::Settings;
 use crate::surface::{Heights, Mesh};
 use crate::units::Mm;
 
@@ -106,13 +107,20 @@ pub fn machine_of(s: &Settings) -> u32 {
 
 /// The same with the filament and the place of the probe of other settings, which change no height.
 fn machine_with(s: &Settings, other: &Settings) -> u32 {
-    let rows = s.mechanism.rows.iter().flatten().map(|times| times.cast_unsigned());
-    let axes = Axes { e: other.axes.e, ..s.axes };
-    let axes = axes.to_array().into_iter().flat_map(|axis| {
-        axis.steps_per_mm.to_bits().to_le_bytes().into_iter().chain(axis.length.to_bits().to_le_bytes())
-    });
-    let offset = [other.probe.offset.x, other.probe.offset.y].into_iter().flat_map(|mm| mm.to_bits().to_le_bytes());
-    crc32(rows.chain(axes).chain(offset))
+    // It takes less room than a mesh.
+    let mut bytes = [0; ROOM];
+    let mut out = Out::new(&mut bytes);
+    for times in s.mechanism.rows.as_flattened() {
+        out.put(&times.to_le_bytes());
+    }
+    for axis in [&s.axes.x, &s.axes.y, &s.axes.z, &other.axes.e] {
+        out.put(&axis.steps_per_mm.to_bits().to_le_bytes());
+        out.put(&axis.length.to_bits().to_le_bytes());
+    }
+    for offset in [other.probe.offset.x, other.probe.offset.y] {
+        out.put(&offset.to_bits().to_le_bytes());
+    }
+    crc32(&[out.written().unwrap_or_default()])
 }
 
 /// Micrometres.
@@ -127,34 +135,33 @@ fn of_um(um: i32) -> Mm {
     Mm::from_bits(bits)
 }
 
-/// The record of a mesh; `None` if it has too many points.
-fn encode(stored: &StoredMesh, machine: u32, sequence: u32) -> Option<([u8; ROOM], usize)> {
-    let StoredMesh { mesh, reference, temperatures } = stored;
-    let heights = mesh.heights();
-    let length = HEAD + 2 * heights.points().count();
-    let mut bytes = [0; ROOM];
-    let head = [sequence, machine].into_iter().chain(
-        mesh.first().into_iter().chain(mesh.last()).chain(*reference).chain([mesh.fade()]).map(|mm| um(mm) as u32),
-    );
-    let all = head
-        .flat_map(u32::to_le_bytes)
-        .chain(temperatures.iter().flat_map(|celsius| celsius.unwrap_or(UNREAD).to_le_bytes()))
-        .chain([heights.columns() as u8, heights.rows() as u8])
-        .chain(heights.points().flat_map(i16::to_le_bytes));
-    // Behind magic and sum, which are known afterwards.
-    let payload = bytes.get_mut(8..length)?;
-    for (slot, byte) in payload.iter_mut().zip(all) {
-        *slot = byte;
+/// Writes the record of a mesh, and returns its length; `None` if it has too many points.
+fn encode(stored: &StoredMesh, machine: u32, sequence: u32, record: &mut [u8; ROOM]) -> Option<usize> {
+    let StoredMesh { mesh, reference: [zero_x, zero_y], temperatures } = stored;
+    let (heights, [x, y], [to_x, to_y]) = (mesh.heights(), mesh.first(), mesh.last());
+    let (head, payload) = record.split_at_mut(MAGIC.len() + 4);
+    let mut out = Out::new(payload);
+    out.put(&sequence.to_le_bytes());
+    out.put(&machine.to_le_bytes());
+    for length in [x, y, to_x, to_y, *zero_x, *zero_y, mesh.fade()] {
+        out.put(&um(length).to_le_bytes());
     }
-    let crc = check(payload);
-    for (slot, byte) in bytes.iter_mut().zip(MAGIC.into_iter().chain(crc.to_le_bytes())) {
-        *slot = byte;
+    for celsius in temperatures {
+        out.put(&celsius.unwrap_or(UNREAD).to_le_bytes());
     }
-    Some((bytes, length))
+    out.put(&[heights.columns() as u8, heights.rows() as u8]);
+    for height in heights.points() {
+        out.put(&height.to_le_bytes());
+    }
+    let payload = out.written()?;
+    let mut out = Out::new(head);
+    out.put(&MAGIC);
+    out.put(&check(payload).to_le_bytes());
+    Some(out.written()?.len() + payload.len())
 }
 
 fn check(payload: &[u8]) -> u32 {
-    crc32(MAGIC.into_iter().chain(payload.iter().copied()))
+    crc32(&[&MAGIC, payload])
 }
 
 /// A record as it was read.
@@ -194,24 +201,29 @@ fn decode(bytes: &[u8; ROOM]) -> Result<Decoded, MeshRejected> {
     Ok(Decoded { stored, machine: number(1), sequence: number(0) })
 }
 
-/// Whether a record says the same as the record of a mesh would: places count in um.
-fn is_alike(found: &Decoded, mesh: &StoredMesh, machine: u32) -> bool {
-    let Decoded { stored, machine: own, sequence } = found;
-    encode(stored, *own, *sequence).is_some_and(|bytes| encode(mesh, machine, *sequence) == Some(bytes))
+/// The bytes of the two places.
+type Places = [[u8; ROOM]; 2];
+
+const UNREAD_PLACES: Places = [[0; ROOM]; 2];
+
+/// Reads the two places.
+async fn look(storage: &mut impl Storage, places: &mut Places) -> Result<(), StorageError> {
+    for (place, bytes) in places.iter_mut().enumerate() {
+        read(storage, place, bytes).await?;
+    }
+    Ok(())
 }
 
-/// The two places, read.
-async fn look(storage: &mut impl Storage) -> Result<[Result<Decoded, MeshRejected>; 2], StorageError> {
-    let [a, b] = [read(storage, 0).await?, read(storage, 1).await?];
-    Ok([a, b])
-}
-
-async fn read(storage: &mut impl Storage, place: usize) -> Result<Result<Decoded, MeshRejected>, StorageError> {
-    let mut bytes = [0; ROOM];
+async fn read(storage: &mut impl Storage, place: usize, bytes: &mut [u8; ROOM]) -> Result<(), StorageError> {
     for (number, page) in bytes.chunks_mut(PAGE).enumerate() {
         storage.read(address(place, number), page).await?;
     }
-    Ok(decode(&bytes))
+    Ok(())
+}
+
+/// The records in the two places.
+fn found([a, b]: &Places) -> [Result<Decoded, MeshRejected>; 2] {
+    [decode(a), decode(b)]
 }
 
 fn address(place: usize, page: usize) -> u32 {
@@ -226,6 +238,13 @@ fn newest(found: &[Result<Decoded, MeshRejected>; 2]) -> Option<usize> {
         [Err(_), Ok(_)] => Some(1),
         [Err(_), Err(_)] => None,
     }
+}
+
+/// The place of the newest mesh, and its record.
+fn newest_in(places: &Places) -> Option<(usize, Decoded)> {
+    let found = found(places);
+    let place = newest(&found)?;
+    Some((place, found.into_iter().nth(place)?.ok()?))
 }
 
 /// Whether there is memory for a mesh beside the settings.
@@ -244,16 +263,22 @@ pub async fn load_mesh(
     if !can_keep(storage) {
         return Ok(Err(MeshRejected::Blank));
     }
-    let found = look(storage).await?;
+    let mut places = UNREAD_PLACES;
+    look(storage, &mut places).await?;
+    Ok(mesh_in(&places, machine_of(s)))
+}
+
+/// The newest mesh of a machine. A separate function, because records are large: otherwise their copies would be in
+/// memory while the storage is read.
+#[inline(never)]
+fn mesh_in(places: &Places, machine: u32) -> Result<StoredMesh, MeshRejected> {
+    let found = found(places);
     let damaged = found.iter().any(|found| matches!(found, Err(MeshRejected::Damaged)));
-    let place = newest(&found);
-    let [newest, other] = match (place, found) {
-        (Some(1), [a, b]) => [b, a],
-        (_, [a, b]) => [a, b],
-    }
-    .map(Result::ok);
-    let machine = machine_of(s);
-    Ok(match (newest, other) {
+    let [newest, other] = match (newest(&found), &found) {
+        (Some(1), [a, b]) => [b.as_ref().ok(), a.as_ref().ok()],
+        (_, [a, b]) => [a.as_ref().ok(), b.as_ref().ok()],
+    };
+    match (newest, other) {
         (Some(found), _) if found.machine == machine => Ok(found.stored),
         // It was moved for settings that a cut has kept from storage.
         (Some(newest), Some(found))
@@ -264,7 +289,7 @@ pub async fn load_mesh(
         (Some(_), _) => Err(MeshRejected::Machine),
         (None, _) if damaged => Err(MeshRejected::Damaged),
         (None, _) => Err(MeshRejected::Blank),
-    })
+    }
 }
 
 /// Whether a mesh is kept that is not of these settings.
@@ -275,9 +300,9 @@ pub async fn is_of_others(storage: &mut impl Storage, s: &Settings) -> Result<bo
     if !can_keep(storage) {
         return Ok(false);
     }
-    let found = look(storage).await?;
-    let newest = newest(&found).and_then(|place| found.into_iter().nth(place)).and_then(Result::ok);
-    Ok(newest.is_some_and(|found| found.machine != machine_of(s)))
+    let mut places = UNREAD_PLACES;
+    look(storage, &mut places).await?;
+    Ok(newest_in(&places).is_some_and(|(_, newest)| newest.machine != machine_of(s)))
 }
 
 /// Makes the kept mesh one of the settings `now`, if it is of those `before` and the change leaves it right.
@@ -306,23 +331,38 @@ pub async fn save_mesh(storage: &mut impl Storage, mesh: &StoredMesh, s: &Settin
     if !can_keep(storage) {
         return Err(StorageError::Absent.into());
     }
-    let found = look(storage).await?;
-    let newest = newest(&found);
-    let (place, sequence) = match (newest, newest.and_then(|place| found.into_iter().nth(place))) {
-        (Some(_), Some(Ok(found))) if is_alike(&found, mesh, machine_of(s)) => return Ok(()),
-        (Some(place), Some(Ok(found))) => (1 - place, found.sequence.wrapping_add(1)),
-        _ => (0, 1),
-    };
-    let (bytes, length) = encode(mesh, machine_of(s), sequence).ok_or(MeshNotSaved::TooLarge)?;
-    let used = bytes.get(..length).unwrap_or_default();
+    let (mut places, mut record) = (UNREAD_PLACES, [0; ROOM]);
+    look(storage, &mut places).await?;
+    let Some((place, length)) = next_record(&places, mesh, machine_of(s), &mut record)? else { return Ok(()) };
+    let used = record.get(..length).unwrap_or_default();
     // The header with the sum is the last to come, so a cut leaves no whole record.
     for (number, page) in used.chunks(PAGE).enumerate().rev() {
         storage.write(address(place, number), page).await?;
     }
-    match read(storage, place).await? {
-        Ok(kept) if kept.sequence == sequence && is_alike(&kept, mesh, machine_of(s)) => Ok(()),
-        _ => Err(MeshNotSaved::NotKept),
+    let [kept, _] = &mut places;
+    read(storage, place, kept).await?;
+    if kept.get(..length) == Some(used) { Ok(()) } else { Err(MeshNotSaved::NotKept) }
+}
+
+/// Makes the record that a save is to write, and says to which place and how long it is. `None` if the newest record is
+/// of the same mesh: places count in um.
+#[inline(never)]
+fn next_record(
+    places: &Places,
+    mesh: &StoredMesh,
+    machine: u32,
+    record: &mut [u8; ROOM],
+) -> Result<Option<(usize, usize)>, MeshNotSaved> {
+    let mut make = |sequence: u32| encode(mesh, machine, sequence, record).ok_or(MeshNotSaved::TooLarge);
+    let Some((place, Decoded { sequence, .. })) = newest_in(places) else {
+        return Ok(Some((0, make(1)?)));
+    };
+    let length = make(sequence)?;
+    if places.get(place).and_then(|newest| newest.get(..length)) == record.get(..length) {
+        return Ok(None);
     }
+    let length = encode(mesh, machine, sequence.wrapping_add(1), record);
+    Ok(Some((1 - place, length.ok_or(MeshNotSaved::TooLarge)?)))
 }
 
 /// Forgets all meshes: their beginnings are written over, the newest one's last. Otherwise a cut would leave the older
@@ -334,10 +374,11 @@ pub async fn forget_mesh(storage: &mut impl Storage) -> Result<(), StorageError>
     if !can_keep(storage) {
         return Ok(());
     }
-    let found = look(storage).await?;
-    let newest = newest(&found).unwrap_or_default();
+    let mut places = UNREAD_PLACES;
+    look(storage, &mut places).await?;
+    let newest = newest_in(&places).map_or(0, |(place, _)| place);
     for place in [1 - newest, newest] {
-        if found.get(place).is_some_and(Result::is_ok) {
+        if places.get(place).is_some_and(|bytes| decode(bytes).is_ok()) {
             storage.write(address(place, 0), &[0xFF; MAGIC.len()]).await?;
         }
     }

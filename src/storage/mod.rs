@@ -14,6 +14,7 @@ mod machine_block;
 mod map;
 mod mesh;
 mod notes;
+mod out;
 mod payload;
 mod record;
 mod slots;

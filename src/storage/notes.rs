@@ -23,7 +23,7 @@ const LOADS: Note = Note(BELT_LOADS, *b"CHBL");
 impl Note {
     /// Checksum of a number.
     fn check(&self, number: [u8; 4]) -> [u8; 4] {
-        crc32(self.1.into_iter().chain(number)).to_le_bytes()
+        crc32(&[&self.1, &number]).to_le_bytes()
     }
 
     /// The number; `None` if there is none, or if the note is not whole.

@@ -14,6 +14,7 @@
 //! So firmware that knows more settings reads records of firmware that knows fewer, and the reverse. A missing setting
 //! has its default, and an unknown one is kept for firmware that knows it.
 
+use super::out::Out;
 use crate::settings::Settings;
 use crate::settings::rows::{Field, Key, LONGEST_TEXT, Legal, Row, Text24, Value, Visitor};
 use crate::settings::table::{self, ALL};
@@ -192,24 +193,6 @@ impl<'a> Iterator for Elements<'a> {
     }
 }
 
-/// Bytes that are written one behind the other.
-struct Out<'a> {
-    bytes: &'a mut [u8],
-    at: usize,
-    /// Something did not fit.
-    is_full: bool,
-}
-
-impl Out<'_> {
-    fn put(&mut self, bytes: &[u8]) {
-        match self.bytes.get_mut(self.at..self.at + bytes.len()) {
-            Some(place) => place.copy_from_slice(bytes),
-            None => self.is_full = true,
-        }
-        self.at += bytes.len();
-    }
-}
-
 /// Writes settings as elements.
 struct Writer<'a> {
     out: Out<'a>,
@@ -220,6 +203,8 @@ struct Writer<'a> {
     width: usize,
     count: usize,
     values: [[u8; LONGEST_TEXT]; MOST_VALUES],
+    /// An element has more values than [`MOST_VALUES`], which an assertion above excludes.
+    is_too_long: bool,
 }
 
 impl Writer<'_> {
@@ -272,7 +257,7 @@ impl Visitor for Writer<'_> {
                 place.fill(0);
                 place.iter_mut().zip(bytes).for_each(|(place, byte)| *place = *byte);
             }
-            None => self.out.is_full = true,
+            None => self.is_too_long = true,
         }
         self.count += 1;
         self.width = self.width.max(width);
@@ -342,15 +327,15 @@ fn text_in(bytes: &[u8]) -> Option<Value> {
 
 /// Writes settings and unknown elements; returns their bytes, or `None` if they do not fit.
 pub(super) fn write(settings: &Settings, unknown: &Unknown, into: &mut [u8]) -> Option<usize> {
-    let out = Out { bytes: into, at: 0, is_full: false };
+    let out = Out::new(into);
     let values = [[0; LONGEST_TEXT]; MOST_VALUES];
-    let mut writer = Writer { out, id_before: 0, id: 0, width: 1, count: 0, values };
+    let mut writer = Writer { out, id_before: 0, id: 0, width: 1, count: 0, values, is_too_long: false };
     // Visitors may change values; this one does not.
     settings.clone().visit(&mut writer);
     writer.close();
-    let mut out = writer.out;
-    out.put(unknown.as_bytes());
-    (!out.is_full).then_some(out.at)
+    writer.out.put(unknown.as_bytes());
+    let written = writer.out.written()?;
+    (!writer.is_too_long).then_some(written.len())
 }
 
 /// Reads the settings in a payload; returns the elements that are unknown.

@@ -144,7 +144,7 @@ fn seal_two_parts(record: &mut [u8; LONGEST], length: usize, sequence: u32) -> O
     record.copy_within(HEADER..HEADER + length, begin);
     let second = record.get(FIRST..bytes)?;
     let ([l0, l1], [c0, c1, c2, c3]) =
-        (u16::try_from(second.len()).ok()?.to_le_bytes(), crc32(second.iter().copied()).to_le_bytes());
+        (u16::try_from(second.len()).ok()?.to_le_bytes(), crc32(&[second]).to_le_bytes());
     record.get_mut(HEADER..begin)?.copy_from_slice(&[l0, l1, c0, c1, c2, c3]);
     seal(record, TWO_PARTS, FIRST, sequence).map(|receipt| Receipt { bytes, ..receipt })
 }
@@ -153,10 +153,10 @@ fn seal_two_parts(record: &mut [u8; LONGEST], length: usize, sequence: u32) -> O
 fn seal(record: &mut [u8; LONGEST], format: u16, bytes: usize, sequence: u32) -> Option<Receipt> {
     let (head, rest) = record.get_mut(..bytes)?.split_at_mut_checked(HEADER)?;
     let header = Header { format, length: u16::try_from(rest.len()).ok()?, sequence }.to_bytes();
-    let crc = crc32(header.into_iter().chain(rest.iter().copied()));
-    for (to, byte) in head.iter_mut().zip(header.into_iter().chain(crc.to_le_bytes())) {
-        *to = byte;
-    }
+    let crc = crc32(&[&header, rest]);
+    let (place, crc_place) = head.split_at_mut_checked(header.len())?;
+    place.copy_from_slice(&header);
+    crc_place.copy_from_slice(&crc.to_le_bytes());
     Some(Receipt { bytes, crc })
 }
 
@@ -195,7 +195,7 @@ pub(super) fn decode(record: &[u8], settings: &mut Settings) -> Result<Decoded, 
     let first = HEADER + usize::from(header.length);
     let rest = record.get(HEADER..first).ok_or(Rejected::Damaged)?;
     // Before the format: only a whole record can be said to be of another firmware.
-    if crc32(header.to_bytes().into_iter().chain(rest.iter().copied())) != crc {
+    if crc32(&[&header.to_bytes(), rest]) != crc {
         return Err(Rejected::Damaged);
     }
     let (payload, bytes) = match header.format {
@@ -203,7 +203,7 @@ pub(super) fn decode(record: &[u8], settings: &mut Settings) -> Result<Decoded, 
         TWO_PARTS => {
             let (length, crc) = second_part(rest).ok_or(Rejected::Damaged)?;
             let second = record.get(first..first + length).ok_or(Rejected::Damaged)?;
-            if crc32(second.iter().copied()) != crc {
+            if crc32(&[second]) != crc {
                 return Err(Rejected::Damaged);
             }
             (record.get(HEADER + SECOND_HEADER..first + length).unwrap_or_default(), first + length)

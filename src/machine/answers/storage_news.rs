@@ -49,6 +49,8 @@ impl StorageNews {
 
 /// The receipt of the newest settings, and the first ids in them that this firmware does not know (0 is none).
 fn found(survey: &Survey) -> (Option<Receipt>, [u16; 4]) {
-    let unknown = survey.newest.map(|stored| stored.unknown.first_ids());
-    (survey.newest.map(|stored| stored.receipt), unknown.unwrap_or_default())
+    match &survey.newest {
+        Some(stored) => (Some(stored.receipt), stored.unknown.first_ids()),
+        None => (None, [0; 4]),
+    }
 }
