@@ -1,13 +1,12 @@
 //! Axes of a line: X, Y, Z and E, with their values or only named.
 
-use super::lexer::{Word, Words};
+use super::lexer::{Word, Words, numbers};
 use super::parts::{AxisFlags, AxisWords};
 
 /// The axes of a text with their values.
 pub(super) fn axis_words(text: &[u8]) -> AxisWords {
-    let mut words = AxisWords::default();
-    Words::new(text).for_each(|word| take_axis(&mut words, word));
-    words
+    let [x, y, z, e] = numbers(text, b"XYZE");
+    AxisWords { x, y, z, e }
 }
 
 /// Puts `word` where it belongs if it names an axis.

@@ -172,6 +172,31 @@ pub(super) fn number(text: &[u8], letter: u8) -> Option<Number> {
     last(text, letter)?.number
 }
 
+/// The numbers of the last words with each of these letters.
+pub(super) fn numbers<const N: usize>(text: &[u8], letters: &[u8; N]) -> [Option<Number>; N] {
+    let mut numbers = [None; N];
+    read_numbers(text, letters, &mut numbers);
+    numbers
+}
+
+/// The same for any number of letters.
+#[inline(never)]
+fn read_numbers(text: &[u8], letters: &[u8], numbers: &mut [Option<Number>]) {
+    for word in Words::new(text) {
+        for (letter, number) in letters.iter().zip(&mut *numbers) {
+            if *letter == word.letter {
+                *number = word.number;
+            }
+        }
+    }
+}
+
+/// Whether there is a word with this `letter`.
+#[inline(never)]
+pub(super) fn has(text: &[u8], letter: u8) -> bool {
+    Words::new(text).any(|word| word.letter == letter)
+}
+
 /// Whether text that is no word ends before this byte.
 const fn ends_rubbish(byte: u8) -> bool {
     is_blank(byte) || matches!(byte, b';' | b'(' | b'"')

@@ -4,7 +4,7 @@ use super::Command;
 use super::grammar::{Grammar, WORDS};
 use super::row::Described;
 use super::settings::{named_value, words};
-use crate::gcode::lexer::{last, number, switch};
+use crate::gcode::lexer::{has, numbers, switch};
 use crate::gcode::number::Number;
 use crate::gcode::parts::{Flaw, GridWords, LevellingWords, MeshPoint, PointWords};
 use crate::text::is_word;
@@ -65,8 +65,8 @@ pub(super) const ROWS: &[Described] = &[
             only reports; J: forgets, and M500 the kept one too; N: homes first; E: the probe is taken in between; V4: names each point; W: sets one",
     ),
     Described::g(&[42], |_, text| {
-        let point = [b'I', b'J'].map(|letter| number(text, letter));
-        bed(BedCommand::GoTo { point, by_probe: last(text, b'P').is_some(), feed: number(text, b'F') })
+        let [i, j, feed] = numbers(text, b"IJF");
+        bed(BedCommand::GoTo { point: [i, j], by_probe: has(text, b'P'), feed })
     })
     .grammar(&Grammar::numbers(b"IJF"))
     .does("I J P F", "goes over a point of the mesh; P: with the probe"),
@@ -105,17 +105,16 @@ const fn bed(command: BedCommand<'static>) -> Option<Command<'static>> {
 /// G29. Words of a single point come first; then those of other firmware that mean no measurement: `A` and `P3.2`
 /// (Prusa, UBL), `P9`; an area by X, Y, W and H (Prusa's P1) or by its edges (Marlin).
 fn grid(text: &[u8]) -> BedCommand<'static> {
-    let flag = |letter: u8| last(text, letter).is_some();
-    let value = |letter: u8| number(text, letter);
-    let [x, y, width, depth] = [b'X', b'Y', b'W', b'H'].map(value);
-    let phase = value(b'P').map(Number::to_int);
+    let flag = |letter: u8| has(text, letter);
+    let [x, y, width, depth, phase, i, j, height, verbosity] = numbers(text, b"XYWHPIJZV");
+    let phase = phase.map(Number::to_int);
     // Marlin's W writes a single point and has no number; Prusa's is a width.
     if flag(b'W') && (flag(b'I') || width.is_none()) {
-        let point = match [value(b'I'), value(b'J')] {
-            [Some(i), Some(j)] => MeshPoint::Number([i, j]),
+        let point = match (i, j) {
+            (Some(i), Some(j)) => MeshPoint::Number([i, j]),
             _ => MeshPoint::Place([x, y]),
         };
-        return BedCommand::Point(PointWords { point, height: value(b'Z'), change: None, forgets: false });
+        return BedCommand::Point(PointWords { point, height, change: None, forgets: false });
     }
     match phase {
         // Points without a measurement have been filled in already.
@@ -123,21 +122,20 @@ fn grid(text: &[u8]) -> BedCommand<'static> {
         Some(9) => return BedCommand::CleanNozzle,
         _ => {}
     }
-    match last(text, b'J').map(|word| word.number) {
-        Some(Some(number)) if number > Number::from(1) => return BedCommand::Tilt,
-        Some(_) => return BedCommand::Forget(Forgets::PresentThenKept),
-        None => {}
+    match j {
+        Some(number) if number > Number::from(1) => return BedCommand::Tilt,
+        _ if flag(b'J') => return BedCommand::Forget(Forgets::PresentThenKept),
+        _ => {}
     }
     if flag(b'A') && phase.is_none() {
         return BedCommand::Levelling(LevellingWords { on: Some(true), ..LevellingWords::default() });
     }
-    let edges = [b'L', b'R', b'F', b'B'].map(value);
     let area = match (x, y, width, depth) {
         (Some(x), Some(y), Some(width), Some(depth)) => {
             let sum = |a: Number, b: Number| Some(Number::saturating(a.value().saturating_add(b.value())));
             [Some(x), sum(x, width), Some(y), sum(y, depth)]
         }
-        _ => edges,
+        _ => numbers(text, b"LRFB"),
     };
     BedCommand::Measure(GridWords {
         area,
@@ -147,32 +145,33 @@ fn grid(text: &[u8]) -> BedCommand<'static> {
         is_dry: flag(b'D'),
         homes: flag(b'N'),
         takes_in: flag(b'E'),
-        verbosity: value(b'V'),
+        verbosity,
         ..GridWords::default()
     })
 }
 
 /// M420. Without words it reports.
 fn levelling(text: &[u8]) -> LevellingWords {
+    let [verbosity, form, fade] = numbers(text, b"VTZ");
     LevellingWords {
         on: switch(text),
-        reports: last(text, b'V').map(|word| word.number != Some(Number::ZERO)).unwrap_or_default(),
-        form: number(text, b'T'),
-        fade: number(text, b'Z'),
-        centres: last(text, b'C').is_some(),
-        loads: last(text, b'L').is_some(),
+        reports: has(text, b'V') && verbosity != Some(Number::ZERO),
+        form,
+        fade,
+        centres: has(text, b'C'),
+        loads: has(text, b'L'),
     }
 }
 
 /// M421.
 fn point(text: &[u8]) -> PointWords {
-    let [i, j, x, y] = [b'I', b'J', b'X', b'Y'].map(|letter| number(text, letter));
+    let [i, j, x, y, height, change] = numbers(text, b"IJXYZQ");
     let point = match (i, j) {
-        _ if last(text, b'C').is_some() => MeshPoint::Nearest,
+        _ if has(text, b'C') => MeshPoint::Nearest,
         (Some(i), Some(j)) => MeshPoint::Number([i, j]),
         _ => MeshPoint::Place([x, y]),
     };
-    PointWords { point, height: number(text, b'Z'), change: number(text, b'Q'), forgets: last(text, b'N').is_some() }
+    PointWords { point, height, change, forgets: has(text, b'N') }
 }
 
 /// BED_MESH_CALIBRATE. Words that it does not know are for other probes.

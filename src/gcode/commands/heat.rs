@@ -6,7 +6,7 @@ use super::row::Described;
 use super::settings::plain;
 use crate::connectors::Heater;
 use crate::gcode::index::Part;
-use crate::gcode::lexer::{last, number};
+use crate::gcode::lexer::{has, number, numbers};
 use crate::gcode::number::Number;
 use crate::gcode::parts::{ModelWords, TuningWords};
 
@@ -99,7 +99,7 @@ const FULL_SPEED: i32 = 255;
 
 /// M104, M109 and those of bed and chamber. To set a target R is as good as S; with both it is S, as in Marlin.
 fn target(heater: Heater, waits: bool, text: &[u8]) -> HeatCommand {
-    let (heats, both) = (number(text, b'S'), number(text, b'R'));
+    let [heats, both] = numbers(text, b"SR");
     let target = heats.or(both);
     if waits {
         HeatCommand::HeaterWait { heater, target, cools: heats.is_none() && both.is_some() }
@@ -110,8 +110,9 @@ fn target(heater: Heater, waits: bool, text: &[u8]) -> HeatCommand {
 
 /// M106, and M107 with speed 0.
 fn fan(text: &[u8], stops: bool) -> HeatCommand {
-    let fan = number(text, b'P').map_or(0, |fan| u8::try_from(fan.to_int()).unwrap_or(u8::MAX));
-    let speed = if stops { Number::ZERO } else { number(text, b'S').unwrap_or(Number::from(FULL_SPEED)) };
+    let [fan, speed] = numbers(text, b"PS");
+    let fan = fan.map_or(0, |fan| u8::try_from(fan.to_int()).unwrap_or(u8::MAX));
+    let speed = if stops { Number::ZERO } else { speed.unwrap_or(Number::from(FULL_SPEED)) };
     HeatCommand::FanSpeed { fan, speed }
 }
 
@@ -127,23 +128,18 @@ fn heater(text: &[u8]) -> Option<Heater> {
 
 /// M303. U alone is U1.
 fn tune(text: &[u8]) -> HeatCommand {
-    let applies = last(text, b'U').is_some_and(|word| word.number != Some(Number::ZERO));
-    HeatCommand::TuneHeater(TuningWords {
-        heater: heater(text),
-        target: number(text, b'S'),
-        cycles: number(text, b'C'),
-        applies,
-    })
+    let [target, cycles, applies] = numbers(text, b"SCU");
+    let applies = has(text, b'U') && applies != Some(Number::ZERO);
+    HeatCommand::TuneHeater(TuningWords { heater: heater(text), target, cycles, applies })
 }
 
 /// M306. With T it tunes and uses the result.
 fn model(text: &[u8]) -> HeatCommand {
     let heater = heater(text);
-    if last(text, b'T').is_some() {
+    if has(text, b'T') {
         return HeatCommand::TuneHeater(TuningWords { heater, target: None, cycles: None, applies: true });
     }
-    let [power, capacity, loss, fan_loss, responsiveness, heater_lag, filament] =
-        [b'P', b'C', b'A', b'F', b'R', b'L', b'H'].map(|letter| number(text, letter));
+    let [power, capacity, loss, fan_loss, responsiveness, heater_lag, filament] = numbers(text, b"PCAFRLH");
     let words = ModelWords { power, capacity, loss, fan_loss, responsiveness, heater_lag, filament };
-    HeatCommand::HeaterModel { heater, is_named: last(text, b'E').is_some(), words }
+    HeatCommand::HeaterModel { heater, is_named: has(text, b'E'), words }
 }

@@ -6,7 +6,7 @@ use super::row::Described;
 use crate::gcode::axes::{axis_flags, take_axis};
 use crate::gcode::code::Code;
 use crate::gcode::index::{Absent, Named, Part};
-use crate::gcode::lexer::{Word, Words, last, number};
+use crate::gcode::lexer::{Word, Words, has, number, numbers};
 use crate::gcode::number::Number;
 use crate::gcode::parts::{ArcShape, ArcWords, AxisFlags, AxisWords, Flaw, HomeWords, OffsetWords};
 
@@ -187,8 +187,8 @@ fn unusual_line(code: Code, text: &[u8], to: AxisWords, feed: Option<Number>) ->
 
 /// A move in which the belt circulates too, if the line has a C.
 fn with_belt<'a>(command: Command<'a>, text: &[u8]) -> Command<'a> {
-    match (command, Words::new(text).filter(|word| word.letter == b'C').last()) {
-        (Command::Motion(MotionCommand::Line { to, feed, .. }), Some(Word { number: Some(belt), .. })) => {
+    match (command, number(text, b'C')) {
+        (Command::Motion(MotionCommand::Line { to, feed, .. }), Some(belt)) => {
             Command::Motion(MotionCommand::Circulate { to, belt, feed })
         }
         (command, _) => command,
@@ -242,20 +242,14 @@ fn decimals_of(written: &[u8]) -> u8 {
 
 fn home_words(text: &[u8]) -> HomeWords {
     let axes = AxisFlags { e: false, ..axis_flags(text) };
-    let drops_mesh = last(text, b'W').is_some() || number(text, b'L') == Some(Number::ZERO);
-    HomeWords { axes, only_lost: last(text, b'O').is_some(), raise: number(text, b'R'), drops_mesh }
+    let [raise, keeps] = numbers(text, b"RL");
+    let drops_mesh = has(text, b'W') || keeps == Some(Number::ZERO);
+    HomeWords { axes, only_lost: has(text, b'O'), raise, drops_mesh }
 }
 
 /// G4. The sum stays below the largest number, so that it can be printed and read again.
 fn dwell(text: &[u8]) -> MotionCommand {
-    let (mut milliseconds, mut seconds) = (Number::ZERO, Number::ZERO);
-    for word in Words::new(text) {
-        match word.letter {
-            b'P' => milliseconds = word.number.unwrap_or_default(),
-            b'S' => seconds = word.number.unwrap_or_default(),
-            _ => {}
-        }
-    }
+    let [milliseconds, seconds] = numbers(text, b"PS").map(Option::unwrap_or_default);
     let sum = u64::from(milliseconds.to_u32()) + seconds.to_thousandths().max(0) as u64;
     MotionCommand::Dwell { ms: sum.min(Number::LIMIT as u64) as u32 }
 }
@@ -275,9 +269,9 @@ fn position(text: &[u8]) -> AxisWords {
 
 /// M220. B and R stand alone in practice; with either of them S is ignored.
 fn feed_percent(text: &[u8]) -> MotionCommand {
-    if last(text, b'B').is_some() {
+    if has(text, b'B') {
         MotionCommand::BackUpFeedPercent
-    } else if last(text, b'R').is_some() {
+    } else if has(text, b'R') {
         MotionCommand::RestoreFeedPercent
     } else {
         MotionCommand::FeedPercent(number(text, b'S'))

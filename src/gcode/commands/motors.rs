@@ -6,7 +6,7 @@ use super::row::Described;
 use super::settings::{named_value, words};
 use crate::gcode::axes::axis_flags;
 use crate::gcode::index::{Absent, Named, Part};
-use crate::gcode::lexer::{last, number, switch};
+use crate::gcode::lexer::{has, last, number, numbers, switch};
 use crate::gcode::number::Number;
 use crate::gcode::parts::{AxisFlags, Flaw, LevelWords};
 use crate::motors::MotorName;
@@ -66,7 +66,7 @@ pub(super) const ROWS: &[Described] = &[
         .grammar(&Grammar::numbers(b"S").no_axes(NO_AXES).not_negative(b"S").parts(&[(b'E', Part::Extruder)]))
         .does("X Y Z E, S", "power off; S sets the idle time in s, 0 is never"),
     // With P it is RepRapFirmware's, and turns a motor round.
-    Described::m(&[569], |_, text| if last(text, b'P').is_none() { motor(stealth(text)) } else { None })
+    Described::m(&[569], |_, text| if has(text, b'P') { None } else { motor(stealth(text)) })
         .grammar(&Grammar::numbers(b"").parts(DRIVERS))
         .does("S X Y Z E", "stealthChop (1) or spreadCycle (0); or reports; with P unknown"),
     Described::m(&[915], |_, text| align(text))
@@ -102,8 +102,8 @@ const fn motor(command: MotorCommand) -> Option<Command<'static>> {
 
 /// G34.
 fn level(text: &[u8]) -> LevelWords {
-    let [rounds, within, share] = [b'I', b'T', b'A'].map(|letter| number(text, letter));
-    LevelWords { rounds, within, share, keeps_out: last(text, b'E').is_some() }
+    let [rounds, within, share] = numbers(text, b"ITA");
+    LevelWords { rounds, within, share, keeps_out: has(text, b'E') }
 }
 
 /// Klipper's words: RETRIES come after the first round. Its other words are for its own probes.
@@ -159,7 +159,7 @@ fn buzz(text: &[u8]) -> Command<'_> {
 
 /// M915. RepRapFirmware's is another command; it has these words in addition to its axes, and a number at its R.
 fn align(text: &[u8]) -> Option<Command<'static>> {
-    let is_foreign = b"PSFHT".iter().any(|letter| last(text, *letter).is_some());
+    let is_foreign = b"PSFHT".iter().any(|letter| has(text, *letter));
     let [diagnoses, repairs] = [b'D', b'R'].map(|letter| last(text, letter));
     let has_number = [diagnoses, repairs].into_iter().flatten().any(|word| word.number.is_some());
     if is_foreign || has_number || diagnoses.is_some() && repairs.is_some() {

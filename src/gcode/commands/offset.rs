@@ -5,7 +5,7 @@ use super::grammar::Grammar;
 use super::motion::MotionCommand;
 use super::row::Described;
 use super::settings::{named_value, scientific, words};
-use crate::gcode::lexer::{last, number};
+use crate::gcode::lexer::{has, numbers};
 use crate::gcode::number::Number;
 use crate::gcode::parts::{Flaw, OffsetWords};
 use crate::text::is_word;
@@ -21,12 +21,13 @@ pub(super) const ROWS: &[Described] = &[
 /// M290. Z counts before S, and a report makes no move (Marlin, M290.cpp). X and Y have no such offset.
 fn babystep(text: &[u8]) -> Command<'_> {
     for (letter, name) in [(b'X', b"X"), (b'Y', b"Y")] {
-        if last(text, letter).is_some() {
+        if has(text, letter) {
             return Command::Motion(MotionCommand::NoOffset("M290", name));
         }
     }
-    let by = number(text, b'Z').or_else(|| number(text, b'S')).filter(|_| last(text, b'R').is_none());
-    let is_kept = number(text, b'P') != Some(Number::ZERO);
+    let [z, s, kept] = numbers(text, b"ZSP");
+    let by = z.or(s).filter(|_| !has(text, b'R'));
+    let is_kept = kept != Some(Number::ZERO);
     Command::Motion(MotionCommand::Babystep { by, is_kept })
 }
 

@@ -9,7 +9,7 @@ use super::row::{Begin, Text, Treatment};
 use super::table::Line;
 use crate::gcode::axes::axis_words;
 use crate::gcode::code::Code;
-use crate::gcode::lexer::{last, number, switch};
+use crate::gcode::lexer::{has, number, switch};
 use crate::gcode::number::Number;
 use crate::gcode::parts::AxisWords;
 
@@ -171,7 +171,7 @@ impl<'a> OwnCommand<'a> {
     /// Whether there is such a letter, with a number or without one.
     #[must_use]
     pub fn has(&self, letter: u8) -> bool {
-        last(self.text, letter).is_some()
+        has(self.text, letter)
     }
 
     /// The switch in S: S0 is off, any other S is on.
@@ -197,7 +197,7 @@ impl<'a> OwnCommand<'a> {
 /// the same in each.
 impl PartialEq for OwnCommand<'_> {
     fn eq(&self, other: &Self) -> bool {
-        let word = |text, letter| last(text, letter).map(|word| word.number);
+        let word = |text, letter| (has(text, letter), number(text, letter));
         let selects = |letter| self.row.grammar.is_some_and(|grammar| grammar.selects(letter));
         let mut letters = (b'A'..=b'Z').filter(|letter| self.row.letters.has(*letter) && !selects(*letter));
         (self.place, self.code) == (other.place, other.code)

@@ -3,7 +3,7 @@
 use super::Command;
 use super::grammar::{Grammar, WORDS};
 use super::row::Described;
-use crate::gcode::lexer::{last, number};
+use crate::gcode::lexer::{has, number, numbers, switch};
 use crate::gcode::number::Number;
 
 /// The Z probe.
@@ -51,22 +51,22 @@ pub(super) const ROWS: &[Described] = &[
     .grammar(&Grammar::numbers(b"XYE"))
     .does("X Y E", "height of the bed below the probe, or at that place of the probe; E0 leaves it out"),
     Described::m(&[48], |_, text| {
-        let [touches, verbosity] = [b'P', b'V'].map(|letter| number(text, letter));
-        let other = [b'L', b'S'].into_iter().find(|letter| last(text, *letter).is_some());
+        let [touches, verbosity] = numbers(text, b"PV");
+        let other = [b'L', b'S'].into_iter().find(|letter| has(text, *letter));
         probe(ProbeCommand::Repeatability { at: place(text), touches, verbosity, other })
     })
     .grammar(&Grammar::numbers(b"PXYV"))
     .does("P X Y V", "touches the bed P times at a place and reports how much they differ; V2 reports each"),
     Described::m(&[280], |_, text| {
-        let [servo, order] = [b'P', b'S'].map(|letter| number(text, letter));
+        let [servo, order] = numbers(text, b"PS");
         probe(ProbeCommand::Servo { servo, order })
     })
     .grammar(&Grammar::numbers(b"PS"))
     .does("P S", "order to the servo of a BLTouch: an angle, or us from 544 on; S-1 ends it; or reports"),
     Described::m(&[401], |_, text| {
-        let (quick, reports) = (last(text, b'S'), last(text, b'H'));
-        let is_quick = quick.map(|word| word.number != Some(Number::ZERO));
-        probe(if quick.or(reports).is_some() { ProbeCommand::Quick(is_quick) } else { ProbeCommand::Deploy })
+        let is_quick = switch(text);
+        let is_about_quick = is_quick.is_some() || has(text, b'H');
+        probe(if is_about_quick { ProbeCommand::Quick(is_quick) } else { ProbeCommand::Deploy })
     })
     .grammar(WORDS)
     .does("S H", "puts the probe out; S1 leaves a BLTouch without orders to go in between touches, H reports that"),
@@ -75,7 +75,7 @@ pub(super) const ROWS: &[Described] = &[
 
 /// X and Y of a line.
 fn place(text: &[u8]) -> [Option<Number>; 2] {
-    [b'X', b'Y'].map(|letter| number(text, letter))
+    numbers(text, b"XY")
 }
 
 const fn probe(command: ProbeCommand) -> Option<Command<'static>> {

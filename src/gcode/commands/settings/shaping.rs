@@ -4,7 +4,7 @@ use super::super::Command;
 use super::SettingCommand;
 use crate::gcode::axes::axis_flags;
 use crate::gcode::index::absent_extruder;
-use crate::gcode::lexer::{Words, is_blank};
+use crate::gcode::lexer::{Words, is_blank, numbers};
 use crate::gcode::number::Number;
 use crate::gcode::parts::{AxisFlags, Flaw, ShaperWords, VelocityWords};
 use crate::text::is_word;
@@ -89,14 +89,7 @@ pub(super) fn linear_advance(text: &[u8]) -> Command<'static> {
 
 /// M572 S and W (RepRapFirmware, Prusa). D is the extruder (`index`).
 pub(super) fn pressure_advance(text: &[u8]) -> Command<'static> {
-    let (mut time, mut window) = (None, None);
-    for word in Words::new(text) {
-        match word.letter {
-            b'S' => time = word.number,
-            b'W' => window = word.number,
-            _ => {}
-        }
-    }
+    let [time, window] = numbers(text, b"SW");
     Command::Setting(SettingCommand::Advance { time, window })
 }
 
