@@ -111,7 +111,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
     async fn start_and_serve(&mut self) -> Result<Infallible, Interrupt> {
         let main_loop = &mut self.main_loop;
         if main_loop.motion.is_fresh() {
-            let found = load_at_start(main_loop).await?;
+            let found = load_at_start(main_loop, &mut self.states).await?;
             main_loop.adopt_position(main_loop.motion.end()).await?;
             let mesh = take_mesh_to_use(main_loop).await?;
             for host in 0..main_loop.hosts.len() {

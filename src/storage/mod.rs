@@ -31,4 +31,4 @@ pub use mesh::{
 pub use notes::{belt_loads, note_belt_loads, note_passed_test, passed_test};
 pub use payload::Unknown;
 pub use record::{FORMAT, LONGEST, Receipt, Rejected};
-pub use slots::{SaveError, Slot, Stored, Survey, is_present, save, survey, survey_on};
+pub use slots::{SaveError, Slot, Stored, Survey, is_present, save, save_with, survey, survey_with};

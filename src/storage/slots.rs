@@ -121,16 +121,21 @@ pub fn is_present(storage: &impl Storage) -> bool {
 /// # Errors
 /// The storage's, and [`StorageError::Absent`] if it is too small.
 pub async fn survey(storage: &mut impl Storage) -> Result<Survey, StorageError> {
-    survey_on(storage, None).await
+    survey_with(storage, None, &mut [0; LONGEST]).await
 }
 
-/// Reads both slots. With a mechanism only its settings count: the resolutions and lengths of others would be wrong.
+/// Reads both slots, in a place for a record. With a mechanism only its settings count: the resolutions and lengths of
+/// others would be wrong.
 ///
 /// # Errors
 /// The storage's, and [`StorageError::Absent`] if it is too small.
-pub async fn survey_on(storage: &mut impl Storage, own: Option<Mechanism>) -> Result<Survey, StorageError> {
+pub async fn survey_with(
+    storage: &mut impl Storage,
+    own: Option<Mechanism>,
+    record: &mut [u8; LONGEST],
+) -> Result<Survey, StorageError> {
     let mut newest = None;
-    let rejected = find_newest(storage, own.as_ref(), &mut newest).await?;
+    let rejected = find_newest(storage, own.as_ref(), &mut newest, record).await?;
     Ok(Survey { newest, rejected })
 }
 
@@ -139,13 +144,14 @@ async fn find_newest(
     storage: &mut impl Storage,
     own: Option<&Mechanism>,
     newest: &mut Option<Stored>,
+    record: &mut [u8; LONGEST],
 ) -> Result<[(Slot, Option<Rejected>); 2], StorageError> {
     if !is_present(storage) {
         return Err(StorageError::Absent);
     }
     let mut slots = [(Slot::A, None), (Slot::B, None)];
     for (slot, rejected) in &mut slots {
-        *rejected = look_at(storage, *slot, own, newest).await?.err();
+        *rejected = look_at(storage, *slot, own, newest, record).await?.err();
     }
     Ok(slots)
 }
@@ -156,10 +162,11 @@ async fn look_at(
     slot: Slot,
     own: Option<&Mechanism>,
     newest: &mut Option<Stored>,
+    record: &mut [u8; LONGEST],
 ) -> Result<Result<(), Rejected>, StorageError> {
-    let mut record = [0; LONGEST];
-    let length = read_record(storage, slot, &mut record).await?;
-    Ok(length.and_then(|()| take_newer(newest, slot, own, &record)))
+    record.fill(0);
+    let length = read_record(storage, slot, record).await?;
+    Ok(length.and_then(|()| take_newer(newest, slot, own, record)))
 }
 
 /// Takes a slot's content as the newest, if it is. A separate function, because settings are large. Otherwise their
@@ -183,19 +190,31 @@ fn take_newer(newest: &mut Option<Stored>, slot: Slot, own: Option<&Mechanism>, 
 /// # Errors
 /// If they are not safely stored; then those stored before still are.
 pub async fn save(storage: &mut impl Storage, settings: &Settings) -> Result<Receipt, SaveError> {
+    save_with(storage, settings, &mut [0; LONGEST]).await
+}
+
+/// The same in a place for a record.
+///
+/// # Errors
+/// If they are not safely stored; then those stored before still are.
+pub async fn save_with(
+    storage: &mut impl Storage,
+    settings: &Settings,
+    record: &mut [u8; LONGEST],
+) -> Result<Receipt, SaveError> {
     settings.check().map_err(SaveError::Illegal)?;
     // The newest settings are large, and leave the stack before the record comes.
     let (slot, sequence, unknown) = {
         let mut newest = None;
-        find_newest(storage, None, &mut newest).await?;
+        find_newest(storage, None, &mut newest, record).await?;
         match &newest {
             Some(newest) if newest.settings.has_values_of(settings) => return Ok(newest.receipt),
             Some(newest) => (newest.slot.other(), newest.sequence.wrapping_add(1), newest.unknown),
             None => (Slot::A, 1, Unknown::NONE),
         }
     };
-    let mut record = [0; LONGEST];
-    let receipt = encode(settings, &unknown, sequence, &mut record).ok_or(SaveError::TooLong)?;
+    record.fill(0);
+    let receipt = encode(settings, &unknown, sequence, record).ok_or(SaveError::TooLong)?;
     let record = record.get(..receipt.bytes).unwrap_or_default();
     // The header goes last: until then the slot keeps its old content, or is damaged. Memory that must be erased first,
     // such as flash, takes the first of these writes for the begin of a save, because it does not lie below the one

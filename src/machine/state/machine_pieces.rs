@@ -55,7 +55,7 @@ impl MachinePieces {
         self.bytes.get(..self.length).unwrap_or_default()
     }
 
-    /// The place for a record to send; a record under assembly is dropped.
+    /// The place for another record, to send, to save or to load; a record under assembly is dropped.
     pub const fn begin(&mut self) -> &mut [u8; LONGEST] {
         self.length = 0;
         &mut self.bytes

@@ -2,7 +2,8 @@
 //! record. MACHINE_STORE stores that record after it has passed all record checks and the checks of the board's
 //! connectors. `corehbot config` is the other end.
 //!
-//! Pieces follow one another, each on its own line. Lines have numbers and checksums as in a print, and a checksum
+//! Pieces follow one another, each on its own line. They are put together in the one place for a record, which saving
+//! and loading settings use too: after MACHINE_STORE, M500, M501 or M504 the pieces come again from the first one. Lines have numbers and checksums as in a print, and a checksum
 //! covers the whole record.
 
 use super::stored::save;
@@ -76,7 +77,7 @@ async fn store_machine<P: PortSet, W: Pend>(
     pieces: &mut MachinePieces,
     machine: &Settings,
 ) -> Result<Result<(Receipt, bool), MachineRefusal>, Interrupt> {
-    let receipt = match save(main_loop, machine).await? {
+    let receipt = match save(main_loop, machine, pieces.begin()).await? {
         Ok(receipt) => receipt,
         Err(error) => return Ok(Err(MachineRefusal::Storage(error))),
     };

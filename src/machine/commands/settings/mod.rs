@@ -57,16 +57,16 @@ pub(super) async fn carry_out<'a, P: PortSet, W: Pend>(
             if let Some(news) = keep_mesh(main_loop).await? {
                 main_loop.reply(Answer::Mesh(news)).await?;
             }
-            return save_settings(main_loop, &states.pieces).await.map(Answer::Storage);
+            return save_settings(main_loop, &mut states.pieces).await.map(Answer::Storage);
         }
         SettingCommand::LoadSettings => {
-            let news = load_settings(main_loop).await?;
+            let news = load_settings(main_loop, &mut states.pieces).await?;
             let mesh = take_mesh_to_use(main_loop).await?;
             main_loop.reply(mesh).await?;
             Answer::Storage(news)
         }
         SettingCommand::DefaultSettings => return reset_settings(main_loop).await.map(Answer::Storage),
-        SettingCommand::CheckStorage => return check_storage(main_loop).await.map(Answer::Storage),
+        SettingCommand::CheckStorage => return check_storage(main_loop, &mut states.pieces).await.map(Answer::Storage),
         SettingCommand::ReportSettings { for_replay } => Answer::Settings { retraction: states.retraction, for_replay },
         SettingCommand::MachineRecord(order) => {
             return exchange_machine(main_loop, &mut states.pieces, order).await;

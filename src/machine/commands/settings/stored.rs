@@ -5,13 +5,14 @@ use crate::machine::answers::answer::Answer;
 use crate::machine::answers::mesh_answer::MeshAnswer;
 use crate::machine::answers::storage_news::StorageNews;
 use crate::machine::apart::apart;
+use crate::machine::commands::states::States;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::machine_pieces::MachinePieces;
 use crate::port::{Pend, Storage, StorageError};
 use crate::settings::Settings;
-use crate::storage::{self, MeshFate, Receipt, SaveError, Survey};
+use crate::storage::{self, LONGEST, MeshFate, Receipt, SaveError, Survey};
 use crate::units::Mm;
 use core::pin::pin;
 
@@ -73,12 +74,13 @@ impl<P: PortSet, W: Pend> Storage for Paced<'_, '_, P, W> {
 }
 
 /// Looks into the storage for settings of this mechanism.
-pub(in crate::machine) async fn survey<P: PortSet, W: Pend>(
+async fn survey<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
+    record: &mut [u8; LONGEST],
 ) -> Result<Result<Survey, StorageError>, Interrupt> {
     let own = main_loop.settings.defaults().mechanism;
     let mut paced = Paced::new(main_loop);
-    let survey = storage::survey_on(&mut paced, Some(own)).await;
+    let survey = storage::survey_with(&mut paced, Some(own), record).await;
     paced.into_result()?;
     Ok(survey)
 }
@@ -87,8 +89,9 @@ pub(in crate::machine) async fn survey<P: PortSet, W: Pend>(
 /// then. A machine without storage has no news, and on a board without a machine no stored settings count.
 pub(in crate::machine) async fn load_at_start<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
+    states: &mut States,
 ) -> Result<Answer<'static>, Interrupt> {
-    let survey = match survey(main_loop).await? {
+    let survey = match survey(main_loop, states.pieces.begin()).await? {
         Ok(survey) => survey,
         Err(StorageError::Absent) => return Ok(Answer::Nothing),
         Err(error) => return Ok(Answer::Storage(StorageNews::Unreadable(error))),
@@ -137,7 +140,7 @@ pub(in crate::machine) async fn note_belt_loads<P: PortSet, W: Pend>(
 /// become one.
 pub(in crate::machine) async fn save_settings<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
-    pieces: &MachinePieces,
+    pieces: &mut MachinePieces,
 ) -> Result<StorageNews, Interrupt> {
     if pieces.is_stored {
         return Ok(StorageNews::MachineWaits);
@@ -146,18 +149,20 @@ pub(in crate::machine) async fn save_settings<P: PortSet, W: Pend>(
         return Ok(StorageNews::NoMachine(why));
     }
     let settings = *main_loop.settings;
-    Ok(save(main_loop, &settings).await?.map_or_else(StorageNews::NotSaved, StorageNews::Saved))
+    Ok(save(main_loop, &settings, pieces.begin()).await?.map_or_else(StorageNews::NotSaved, StorageNews::Saved))
 }
 
-/// Stores settings. The machine is at rest: storage may be flash, and erasing flash stops the processor.
+/// Stores settings, in a place for a record. The machine is at rest: storage may be flash, and erasing flash stops the
+/// processor.
 pub(in crate::machine) async fn save<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     settings: &Settings,
+    record: &mut [u8; LONGEST],
 ) -> Result<Result<Receipt, SaveError>, Interrupt> {
     main_loop.finish().await?;
-    apart(pin!(take_mesh_along(main_loop, settings))).await?;
+    apart(pin!(take_mesh_along(main_loop, settings, record))).await?;
     let mut paced = Paced::new(main_loop);
-    let saved = storage::save(&mut paced, settings).await;
+    let saved = storage::save_with(&mut paced, settings, record).await;
     paced.into_result()?;
     if saved.is_ok() {
         main_loop.first_layer.note_stored(settings);
@@ -169,6 +174,7 @@ pub(in crate::machine) async fn save<P: PortSet, W: Pend>(
 async fn take_mesh_along<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     settings: &Settings,
+    record: &mut [u8; LONGEST],
 ) -> Result<(), Interrupt> {
     let mut paced = Paced::new(main_loop);
     let is_of_others = storage::is_of_others(&mut paced, settings).await;
@@ -176,7 +182,7 @@ async fn take_mesh_along<P: PortSet, W: Pend>(
     if is_of_others != Ok(true) {
         return Ok(());
     }
-    let Ok(stored) = survey(main_loop).await? else { return Ok(()) };
+    let Ok(stored) = survey(main_loop, record).await? else { return Ok(()) };
     let before = stored.newest.as_ref().map_or(main_loop.settings.defaults(), |stored| &stored.settings);
     let mut paced = Paced::new(main_loop);
     let fate = storage::follow_settings(&mut paced, before, settings).await;
@@ -195,12 +201,13 @@ async fn take_mesh_along<P: PortSet, W: Pend>(
 /// board without a machine.
 pub(in crate::machine) async fn load_settings<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
+    pieces: &mut MachinePieces,
 ) -> Result<StorageNews, Interrupt> {
     if let Some(why) = main_loop.power.refusal() {
         return Ok(StorageNews::NotLoaded(why));
     }
     main_loop.finish().await?;
-    let survey = match survey(main_loop).await? {
+    let survey = match survey(main_loop, pieces.begin()).await? {
         Ok(survey) => survey,
         Err(error) => return Ok(StorageNews::Unchanged(error)),
     };
@@ -222,8 +229,9 @@ pub(in crate::machine) async fn reset_settings<P: PortSet, W: Pend>(
 /// M504.
 pub(in crate::machine) async fn check_storage<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
+    pieces: &mut MachinePieces,
 ) -> Result<StorageNews, Interrupt> {
-    Ok(match survey(main_loop).await? {
+    Ok(match survey(main_loop, pieces.begin()).await? {
         Ok(survey) => StorageNews::checked(&survey),
         Err(error) => StorageNews::Unanswered(error),
     })
