@@ -15,7 +15,7 @@ use super::checksum::{Checksum, ChecksumReader};
 use super::syntax::{is_blank, line_number};
 
 /// Bytes of a line that are kept: 256 of payload and room for the line number.
-pub(super) const CAPACITY: usize = 288;
+pub const CAPACITY: usize = 288;
 
 /// The bytes that a terminal sends to erase a character: backspace, or delete.
 pub(super) const fn is_erasing(byte: u8) -> bool {

@@ -22,6 +22,7 @@ mod syntax;
 
 pub use action::{ACTION, Action};
 pub use emergency::Emergency;
+pub use framing::CAPACITY as LONGEST_LINE;
 pub use numbering::ResendReason;
 pub use receiver::{Incoming, Receiver};
 pub use reply::{BUSY, BUSY_PAUSED, Echo, NoRoom, Replies};

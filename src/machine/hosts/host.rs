@@ -5,7 +5,7 @@ use super::schedule::Schedule;
 use super::upload::{Upload, is_mark};
 use crate::gcode::{self, BedCommand, Command, ReportCommand};
 use crate::port::{Received, Serial};
-use crate::protocol::{Activity, Emergency, Incoming, Receiver, Replies};
+use crate::protocol::{Activity, Emergency, Incoming, LONGEST_LINE, Receiver, Replies};
 use crate::units::Instant;
 use heapless::Vec;
 
@@ -14,7 +14,7 @@ use heapless::Vec;
 const WAITS_MS: u32 = 50;
 
 /// A command's text, copied out of the receiver so that more lines can arrive while it is carried out.
-pub(in crate::machine) type Text = Vec<u8, 320>;
+pub(in crate::machine) type Text = Vec<u8, LONGEST_LINE>;
 
 /// A serial line and its state.
 pub(super) struct Host<S> {

@@ -42,7 +42,7 @@ pub(in crate::machine) struct Heaters<'m> {
 }
 
 impl<'m> Heaters<'m> {
-    pub(super) const fn new(status: &'m Heat, queue: Orders<'m>, thermal: &ThermalSettings, now: Instant) -> Self {
+    pub(super) fn new(status: &'m Heat, queue: Orders<'m>, thermal: &ThermalSettings, now: Instant) -> Self {
         Self {
             status,
             queue,

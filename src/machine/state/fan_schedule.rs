@@ -14,22 +14,18 @@ use heapless::Deque;
 /// Speeds that may wait. A file with fan speeds by overhang has one every few moves.
 const MOST: usize = 64;
 
-/// When a speed comes to hold.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum After {
-    /// The number of moves planned before it, wrapping.
-    Move(u32),
-    /// The number of entries put into the MoveQueue before it, wrapping.
-    Entry(u32),
-}
-
 /// A fan's speed that waits.
 #[derive(Clone, Copy, Debug)]
 struct Waiting {
-    after: After,
+    /// The number of moves planned before it, or of entries put into the MoveQueue before it; wraps.
+    after: u32,
+    /// Its moves have left the look-ahead, and entries count.
+    has_left: bool,
     fan: u8,
     speed: u16,
 }
+
+const _: () = assert!(size_of::<Waiting>() <= 8);
 
 /// Fan speeds that wait for moves, in order, and the last commanded speeds.
 pub(in crate::machine) struct FanSchedule {
@@ -61,9 +57,8 @@ impl FanSchedule {
 
     /// Sets a fan to `speed` after `moves` moves. Without room, it takes the place of the last speed.
     pub fn add(&mut self, moves: u32, fan: u8, speed: u16) {
-        let after = After::Move(moves);
         if let Some(last) = self.queue.back_mut()
-            && (last.fan, last.after) == (fan, after)
+            && (last.fan, last.after, last.has_left) == (fan, moves, false)
         {
             last.speed = speed;
             return;
@@ -71,25 +66,26 @@ impl FanSchedule {
         if !self.has_room() {
             let _ = self.queue.pop_back();
         }
-        let _ = self.queue.push_back(Waiting { after, fan, speed });
+        let _ = self.queue.push_back(Waiting { after: moves, has_left: false, fan, speed });
     }
 
     /// Takes the number of moves that have left the look-ahead, and of entries put into the MoveQueue: called after
     /// each.
     pub fn note_left(&mut self, moves: u32, entries: u32) {
         for waiting in &mut self.queue {
-            match waiting.after {
-                After::Entry(_) => {}
-                After::Move(after) if is_past(after, moves) => waiting.after = After::Entry(entries),
-                After::Move(_) => return,
+            if !waiting.has_left {
+                if !is_past(waiting.after, moves) {
+                    return;
+                }
+                (waiting.after, waiting.has_left) = (entries, true);
             }
         }
     }
 
     /// The next fan and its speed that are due after `done` entries.
     pub fn take(&mut self, done: u32) -> Option<(u8, u16)> {
-        let Waiting { after: After::Entry(after), fan, speed } = *self.queue.front()? else { return None };
-        if !is_past(after, done) {
+        let Waiting { after, has_left, fan, speed } = *self.queue.front()?;
+        if !has_left || !is_past(after, done) {
             return None;
         }
         let _ = self.queue.pop_front();

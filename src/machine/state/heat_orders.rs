@@ -4,7 +4,7 @@
 //! command waits for the thermal context.
 
 use crate::connectors::{FANS, HEATERS, Heater};
-use crate::settings::ThermalSettings;
+use crate::settings::{ThermalSettings, sum};
 use crate::status::Heat;
 use crate::thermal::{Common, Order};
 use crate::units::Celsius;
@@ -26,6 +26,26 @@ enum Target {
 /// Control periods after which every sensor that works has been read: 1 s. A median of readings takes a tenth of it.
 const READINGS: u32 = 50;
 
+/// The sums of the settings that the thermal context has. The settings themselves take ten times the memory.
+struct Told {
+    heaters: [u32; HEATERS],
+    fans: [u32; FANS],
+    common: u32,
+}
+
+impl Told {
+    fn new(settings: &ThermalSettings) -> Self {
+        let mut told = Self { heaters: [0; HEATERS], fans: [0; FANS], common: sum(&Common::of(settings)) };
+        for heater in Heater::ALL {
+            told.heaters[heater as usize] = sum(settings.heater(heater));
+        }
+        for (told, fan) in told.fans.iter_mut().zip(&settings.fans) {
+            *told = sum(fan);
+        }
+        told
+    }
+}
+
 /// Orders not yet sent to the thermal context.
 pub(in crate::machine) struct HeatOrders {
     is_off: bool,
@@ -39,14 +59,13 @@ pub(in crate::machine) struct HeatOrders {
     fans: [Option<u16>; FANS],
     motors: Option<bool>,
     are_motors_on: bool,
-    /// The settings that the thermal context has.
-    told: ThermalSettings,
+    told: Told,
     has_news: bool,
 }
 
 impl HeatOrders {
     /// The thermal context begins with these settings.
-    pub const fn new(settings: &ThermalSettings) -> Self {
+    pub fn new(settings: &ThermalSettings) -> Self {
         Self {
             is_off: false,
             targets: [Target::Known; HEATERS],
@@ -57,7 +76,7 @@ impl HeatOrders {
             fans: [None; FANS],
             motors: None,
             are_motors_on: false,
-            told: *settings,
+            told: Told::new(settings),
             has_news: false,
         }
     }
@@ -182,22 +201,25 @@ impl HeatOrders {
             return None;
         }
         for heater in Heater::ALL {
-            let wanted = *settings.heater(heater);
-            if core::mem::replace(self.told.heater_mut(heater), wanted) != wanted {
-                return Some(Order::Heater(heater, wanted));
+            let wanted = settings.heater(heater);
+            if is_news(&mut self.told.heaters[heater as usize], sum(wanted)) {
+                return Some(Order::Heater(heater, *wanted));
             }
         }
-        for ((fan, told), wanted) in (0..).zip(&mut self.told.fans).zip(settings.fans) {
-            if core::mem::replace(told, wanted) != wanted {
-                return Some(Order::FanSettings(fan, wanted));
+        for ((fan, told), wanted) in (0..).zip(&mut self.told.fans).zip(&settings.fans) {
+            if is_news(told, sum(wanted)) {
+                return Some(Order::FanSettings(fan, *wanted));
             }
         }
         self.has_news = false;
         let common = Common::of(settings);
-        let is_new = Common::of(&self.told) != common;
-        self.told = *settings;
-        is_new.then_some(Order::Common(common))
+        is_news(&mut self.told.common, sum(&common)).then_some(Order::Common(common))
     }
+}
+
+/// Whether settings have another sum than those that were told; they count as told from now on.
+const fn is_news(told: &mut u32, wanted: u32) -> bool {
+    core::mem::replace(told, wanted) != wanted
 }
 
 #[cfg(test)]
