@@ -23,6 +23,8 @@ use crate::{fault, heater_timer, pin_scrub, priorities, reset_reason, storm, wat
 
 static GENERATOR: Handover<&'static mut StepGenerator> = Handover::new();
 static THERMAL: Handover<(&'static mut ThermalControl, &'static Status)> = Handover::new();
+/// Lines and message of [`talk`]. The task would hold them twice.
+static TALKER: StaticCell<(Lines<HostSerial>, Message)> = StaticCell::new();
 static EXECUTOR: StaticCell<Executor> = StaticCell::new();
 
 /// Hands the handles to their contexts and starts them. The processor never sleeps if it must stay `awake`.
@@ -52,7 +54,7 @@ pub type Message = heapless::String<192>;
 pub fn only_talk(lines: Lines<HostSerial>, usb: Option<UsbPort>, message: Message) -> ! {
     priorities::enable();
     EXECUTOR.init(Executor::new()).run(|spawner| {
-        spawn(spawner, talk(lines, message));
+        spawn(spawner, talk(TALKER.init((lines, message))));
         // The cycle counter times the calls of interrupts, and it may stand still while the processor sleeps.
         spawn(spawner, stay_awake());
         if let Some(port) = usb {
@@ -82,9 +84,10 @@ async fn run_console(console: &'static mut Console) {
 
 /// Sends the message every two seconds, and waits for M999.
 #[embassy_executor::task]
-async fn talk(mut lines: Lines<HostSerial>, message: Message) {
+async fn talk(talker: &'static mut (Lines<HostSerial>, Message)) {
     /// Time between two polls; messages are 40 polls apart.
     const LOOK: Duration = Duration::from_millis(50);
+    let (lines, message) = talker;
     let mut heard = [0_u32; LINES];
     loop {
         lines.iter_mut().for_each(|line| _ = line.send(message.as_bytes()));

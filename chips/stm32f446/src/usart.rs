@@ -22,8 +22,9 @@ use crate::wiring::{SerialPort, Usart};
 use corehbot_board_support::receiver_flags::{self, Flags, News, Receiving};
 use corehbot_board_support::ring::Ring;
 
-/// Bytes that wait for the transmitter: a report of the settings (M503).
-const WAITING: usize = 1024;
+/// Bytes that wait for the transmitter, behind those of the Console: 20 ms at 250,000 baud, and the Console is polled in
+/// each millisecond.
+const WAITING: usize = 512;
 
 static ONE: Station = Station { registers: USART1, usart: Usart::One, dma: DMA2, queues: &QUEUES[0] };
 static TWO: Station = Station { registers: USART2, usart: Usart::Two, dma: DMA1, queues: &QUEUES[1] };
