@@ -135,9 +135,9 @@ impl Field for MachineName {
 
     fn set(&mut self, value: &Value) -> bool {
         let Value::Text(text) = value else { return false };
-        let name = Self::new(text);
-        *self = name.unwrap_or(*self);
-        name.is_some()
+        let Some(name) = Self::new(text) else { return false };
+        *self = name;
+        true
     }
 }
 

@@ -37,8 +37,8 @@ pub struct Row {
     pub tables: &'static &'static [&'static str],
     /// The key behind the table; empty if the table is the key.
     pub leaf: &'static str,
-    /// The legal values: one entry for all parts, or one for each.
-    legal: &'static [Legal],
+    /// The legal values of the first part, and by way of them those of the others.
+    legal: &'static Legal,
     /// The lines that set it: one for all parts, or one for each part from the first on. None if it is not plain.
     pub lines: &'static &'static [Line],
 }
@@ -49,7 +49,7 @@ impl Row {
         id: u16,
         tables: &'static &'static [&'static str],
         leaf: &'static str,
-        legal: &'static [Legal],
+        legal: &'static Legal,
     ) -> Self {
         Self { id, tables, leaf, legal, lines: &(&[] as &[Line]) }
     }
@@ -80,18 +80,20 @@ impl Row {
     /// The legal values of a part.
     #[must_use]
     pub fn legal(&self, part: usize) -> Legal {
-        let of_all = self.legal.first().copied();
-        let none = Legal { least: 0, most: 0, may_be_zero: false, is_text: false, is_signed: false };
-        self.legal.get(part).copied().or(of_all).unwrap_or(none)
+        let mut legal = self.legal;
+        for _ in 0..part {
+            legal = legal.next.unwrap_or(legal);
+        }
+        Legal { next: None, ..*legal }
     }
 
     /// Whether its numbers may be below 0 by their type, whatever is legal.
     pub(crate) fn is_signed(&self) -> bool {
-        self.legal.first().is_some_and(|legal| legal.is_signed)
+        self.legal.is_signed
     }
 
-    /// The legal values of all parts: one entry for all, or one for each.
-    pub(crate) const fn legals(&self) -> &'static [Legal] {
+    /// The legal values of the first part; each leads to those that follow.
+    pub(crate) const fn first_legal(&self) -> &'static Legal {
         self.legal
     }
 }
@@ -162,7 +164,7 @@ macro_rules! rows {
         /// The rows.
         pub(in crate::settings) const ROWS: $crate::settings::rows::Rows = $crate::settings::rows::Rows {
             rows: const { &[$(
-                $crate::settings::rows::Row::new($id, &TABLES, $leaf, const { &[$spec.legal $(, $others.legal)*] })
+                $crate::settings::rows::Row::new($id, &TABLES, $leaf, const { &rows!(@legal $spec $(, $others)*) })
                     .set_by(const {
                         use $crate::settings::line::Line;
                         &(&[$(Line::new($code, &[$($letters),+], $unit, $spec.bits())),*] as &[Line])
@@ -189,6 +191,11 @@ macro_rules! rows {
                 _ => return None,
             })
         }
+    };
+    // A copy: a reference into the spec would keep all of it, with the names of choices, in an image.
+    (@legal $spec:expr) => {{ $spec.legal }};
+    (@legal $spec:expr, $($others:expr),+) => {
+        $crate::settings::rows::Legal { next: Some(const { &rows!(@legal $($others),+) }), ..$spec.legal }
     };
 }
 pub(super) use rows;

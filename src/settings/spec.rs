@@ -72,6 +72,8 @@ pub struct Legal {
     pub is_text: bool,
     /// Their type has numbers below 0, so records have a sign for them. It stays as it is for an id.
     pub is_signed: bool,
+    /// The legal values of the parts that follow, if they have others.
+    pub next: Option<&'static Self>,
 }
 
 impl Legal {
@@ -96,7 +98,7 @@ impl Spec {
     pub const SWITCH: Self = Self::new(0, 1, Kind::Switch);
 
     pub(super) const fn new(least: i64, most: i64, kind: Kind) -> Self {
-        Self { legal: Legal { least, most, may_be_zero: false, is_text: false, is_signed: false }, kind }
+        Self { legal: Legal { least, most, may_be_zero: false, is_text: false, is_signed: false, next: None }, kind }
     }
 
     /// One of these.

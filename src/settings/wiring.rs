@@ -139,9 +139,9 @@ impl Field for MotorName {
 
     fn set(&mut self, value: &Value) -> bool {
         let Value::Text(text) = value else { return false };
-        let name = Self::new(text);
-        *self = name.unwrap_or(*self);
-        name.is_some()
+        let Some(name) = Self::new(text) else { return false };
+        *self = name;
+        true
     }
 }
 
@@ -216,9 +216,9 @@ impl Number for Row {
     }
 
     fn put(&mut self, number: i64) -> bool {
-        let row = i16::try_from(number).ok().and_then(kinematics::row_of);
-        *self = row.unwrap_or(*self);
-        row.is_some()
+        let Some(row) = i16::try_from(number).ok().and_then(kinematics::row_of) else { return false };
+        *self = row;
+        true
     }
 }
 

@@ -63,9 +63,9 @@ const fn longest_head(row: &Row, id_before: u16) -> usize {
 
 /// Bytes of the widest value of a row.
 const fn widest(row: &Row) -> usize {
-    let (mut widest, mut legal) = (1, row.legals());
-    while let [first, others @ ..] = legal {
-        let Legal { least, most, is_text, is_signed, .. } = *first;
+    let (mut widest, mut legal) = (1, Some(row.first_legal()));
+    while let Some(first) = legal {
+        let Legal { least, most, is_text, is_signed, next, .. } = *first;
         assert!(is_signed || least >= 0);
         let (least, most) = match is_text {
             true => (0, most as usize),
@@ -73,7 +73,7 @@ const fn widest(row: &Row) -> usize {
         };
         let bytes = if least > most { least } else { most };
         widest = if bytes > widest { bytes } else { widest };
-        legal = others;
+        legal = next;
     }
     widest
 }

@@ -138,7 +138,8 @@ impl Number for Thermistor {
         }
         let place = u8::try_from(number).ok().filter(|place| usize::from(*place) < SHEETS.len());
         // A kind of later firmware: the record is not taken.
-        *self = place.map_or(*self, Self::Sheet);
-        place.is_some()
+        let Some(place) = place else { return false };
+        *self = Self::Sheet(place);
+        true
     }
 }
