@@ -16,13 +16,13 @@ use crate::settings::plain::letters;
 #[derive(Clone, Copy, Debug)]
 pub struct Grammar {
     /// Letters that need a number.
-    numbers: &'static [u8],
+    numbers: Letters,
     /// The letters of plain settings need one too.
     is_plain: bool,
     /// Letters of axes that the machine does not have: where it would move them, or forget their place.
-    no_axes: &'static [u8],
+    no_axes: Letters,
     /// Letters with a number that must not be negative.
-    not_negative: &'static [u8],
+    not_negative: Letters,
     /// Letters that select a part.
     parts: &'static [(u8, Part)],
 }
@@ -36,8 +36,9 @@ pub(super) const WORDS: &Grammar = &Grammar::numbers(b"");
 impl Grammar {
     /// Words, and nothing else; these letters need a number.
     #[must_use]
-    pub const fn numbers(numbers: &'static [u8]) -> Self {
-        Self { numbers, is_plain: false, no_axes: &[], not_negative: &[], parts: &[] }
+    pub const fn numbers(numbers: &[u8]) -> Self {
+        let numbers = Letters::NONE.with(numbers);
+        Self { numbers, is_plain: false, no_axes: Letters::NONE, not_negative: Letters::NONE, parts: &[] }
     }
 
     /// The letters of the code's plain settings need a number.
@@ -47,23 +48,20 @@ impl Grammar {
 
     /// Whether the command knows a letter, whose form matters then.
     fn knows(&self, known: Letters, code: Code, letter: u8) -> bool {
-        known.has(letter)
-            || self.no_axes.contains(&letter)
-            || self.parts.iter().any(|(its, _)| *its == letter)
-            || self.needs_number(code, letter)
+        known.has(letter) || self.no_axes.has(letter) || self.selects(letter) || self.needs_number(code, letter)
     }
 
     /// Whether a letter takes a list: of parts, of which one may be there, or of the values of all extruders
     /// (RepRapFirmware's `M92 E420:420`), of which the first is meant.
     fn takes_list(&self, known: Letters, code: Code, letter: u8, list: &[u8]) -> bool {
         let is_of_extruders = letter == b'E' && code.letter == b'M' && self.knows(known, code, b'X');
-        (is_of_extruders || self.parts.iter().any(|(its, _)| *its == letter))
+        (is_of_extruders || self.selects(letter))
             && list.iter().all(|byte| byte.is_ascii_digit() || matches!(byte, b'-' | b'.' | b':'))
     }
 
     /// Whether a word names the first part, in quotes (RepRapFirmware's `M572 D"0"`).
     fn names_first(&self, word: Word<'_>) -> bool {
-        word.quoted == Some(b"0") && self.parts.iter().any(|(its, _)| *its == word.letter)
+        word.quoted == Some(b"0") && self.selects(word.letter)
     }
 
     /// Whether a letter selects a part. Only lines for the one that is there are obeyed.
@@ -73,20 +71,20 @@ impl Grammar {
 
     /// Whether a letter needs a number.
     fn needs_number(&self, code: Code, letter: u8) -> bool {
-        self.numbers.contains(&letter)
+        self.numbers.has(letter)
             || (self.is_plain && letters(code.number).any(|letters| letters.as_bytes().contains(&letter)))
     }
 
     /// The same, and these letters are axes that there are not.
     #[must_use]
-    pub const fn no_axes(self, no_axes: &'static [u8]) -> Self {
-        Self { no_axes, ..self }
+    pub const fn no_axes(self, no_axes: &[u8]) -> Self {
+        Self { no_axes: Letters::NONE.with(no_axes), ..self }
     }
 
     /// The same, and the numbers of these letters are not negative.
     #[must_use]
-    pub const fn not_negative(self, not_negative: &'static [u8]) -> Self {
-        Self { not_negative, ..self }
+    pub const fn not_negative(self, not_negative: &[u8]) -> Self {
+        Self { not_negative: Letters::NONE.with(not_negative), ..self }
     }
 
     /// The same, and these letters select a part.
@@ -116,8 +114,8 @@ impl Letters {
     }
 
     /// The same, and the capital letters in a text.
-    pub(super) const fn with(self, text: &str) -> Self {
-        let (mut set, mut bytes) = (self.0, text.as_bytes());
+    pub(super) const fn with(self, text: &[u8]) -> Self {
+        let (mut set, mut bytes) = (self.0, text);
         while let [byte, others @ ..] = bytes {
             if byte.is_ascii_uppercase() {
                 set |= 1 << (*byte - b'A');
@@ -165,7 +163,7 @@ fn flaw_of<'a>(grammar: &Grammar, known: Letters, code: Code, text: &'a [u8]) ->
     while let Some(word) = words.next() {
         let written = begin.get(..begin.len() - words.remaining().len()).unwrap_or_default();
         let is_negative = word.number.is_some_and(|number| number < Number::ZERO);
-        if grammar.no_axes.contains(&word.letter) {
+        if grammar.no_axes.has(word.letter) {
             return Some(Flaw::NoAxis(word.letter));
         } else if word.number.is_none() && !grammar.names_first(word) && grammar.needs_number(code, word.letter) {
             return Some(Flaw::NoNumber(word.letter));
@@ -177,7 +175,7 @@ fn flaw_of<'a>(grammar: &Grammar, known: Letters, code: Code, text: &'a [u8]) ->
             let which = behind_letter(begin);
             let which = which.get(..number_length(which)).unwrap_or(which);
             return Some(Flaw::Absent(Absent { command: Named::Code(code.letter, code.number), part, which }));
-        } else if is_negative && grammar.not_negative.contains(&word.letter) {
+        } else if is_negative && grammar.not_negative.has(word.letter) {
             return Some(Flaw::OutOfRange(shown(begin)));
         } else if matches!(word.letter, b'G' | b'M') && word.number.is_some() {
             return Some(Flaw::SecondCommand(shown(begin)));

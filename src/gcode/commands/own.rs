@@ -92,7 +92,7 @@ impl OwnEntry {
     /// Its words, and what it does, for docs/reference/gcode.md. Other letters than these are ignored.
     #[must_use]
     pub const fn does(mut self, words: &'static str, does: &'static str) -> Self {
-        self.row.letters = self.row.letters.with(words);
+        self.row.letters = self.row.letters.with(words.as_bytes());
         self.text.words = words;
         self.text.does = does;
         self

@@ -120,7 +120,7 @@ impl Described {
 
     /// Its words, and what it does.
     pub(super) const fn does(mut self, words: &'static str, does: &'static str) -> Self {
-        self.row.letters = self.row.letters.with(words);
+        self.row.letters = self.row.letters.with(words.as_bytes());
         self.text.words = words;
         self.text.does = does;
         self
