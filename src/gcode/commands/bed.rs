@@ -2,12 +2,11 @@
 
 use super::Command;
 use super::grammar::{Grammar, WORDS};
+use super::pairs::flaw_of_pairs;
 use super::row::Described;
-use super::settings::{named_value, words};
 use crate::gcode::lexer::{has, numbers, switch};
 use crate::gcode::number::Number;
-use crate::gcode::parts::{Flaw, GridWords, LevellingWords, MeshPoint, PointWords};
-use crate::text::is_word;
+use crate::gcode::parts::{GridWords, LevellingWords, MeshPoint, PointWords};
 
 /// The bed's mesh.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -176,52 +175,53 @@ fn point(text: &[u8]) -> PointWords {
 
 /// BED_MESH_CALIBRATE. Words that it does not know are for other probes.
 fn calibrate(text: &[u8]) -> Command<'_> {
-    let mut grid = GridWords { is_in_mm: true, ..GridWords::default() };
-    let [mut least, mut most] = [[None; 2]; 2];
-    for word in words(text) {
-        let Some((name, value)) = named_value(word) else { return Command::Malformed(Flaw::NoPair(word)) };
-        let numbers = pair(value);
+    const NAMES: [&str; 5] = ["ADAPTIVE", "ADAPTIVE_MARGIN", "PROBE_COUNT", "MESH_MIN", "MESH_MAX"];
+    let mut values = [[None; 2]; NAMES.len()];
+    let flaw = flaw_of_pairs(text, &NAMES, &mut |pair| {
+        let slot = values.get_mut(pair.place)?;
+        *slot = numbers_of(pair.value);
+        let [first, second] = *slot;
         // A count for both sides may stand alone.
-        let [first, second] = numbers;
-        match name {
-            name if is_word(name, b"ADAPTIVE") => grid.is_adaptive = first.is_some_and(|n| n != Number::ZERO),
-            name if is_word(name, b"ADAPTIVE_MARGIN") => grid.margin = first,
-            name if is_word(name, b"PROBE_COUNT") => grid.counts = [first, second.or(first)],
-            name if is_word(name, b"MESH_MIN") => least = numbers,
-            name if is_word(name, b"MESH_MAX") => most = numbers,
-            _ => continue,
-        }
-        let needs_both = is_word(name, b"MESH_MIN") || is_word(name, b"MESH_MAX");
-        if first.is_none() || needs_both && second.is_none() {
-            return Command::Malformed(Flaw::NoPair(word));
-        }
-    }
-    let ([x, y], [to_x, to_y]) = (least, most);
-    grid.area = [x, to_x, y, to_y];
-    Command::Bed(BedCommand::Measure(grid))
+        let needs_both = pair.place >= 3;
+        if first.is_none() || needs_both && second.is_none() { Some(pair.flaw()) } else { None }
+    });
+    let [[adaptive, _], [margin, _], [columns, rows], [x, y], [to_x, to_y]] = values;
+    let grid = GridWords {
+        is_in_mm: true,
+        is_adaptive: adaptive.is_some_and(|number| number != Number::ZERO),
+        margin,
+        counts: [columns, rows.or(columns)],
+        area: [x, to_x, y, to_y],
+        ..GridWords::default()
+    };
+    flaw.map_or(Command::Bed(BedCommand::Measure(grid)), Command::Malformed)
 }
 
 /// One number, or two with a comma.
-fn pair(value: &[u8]) -> [Option<Number>; 2] {
+fn numbers_of(value: &[u8]) -> [Option<Number>; 2] {
     let mut numbers = value.split(|byte| *byte == b',').map(|text| Number::read(text).map(|(number, _)| number));
     [numbers.next().flatten(), numbers.next().flatten()]
 }
 
-/// BED_MESH_PROFILE, with any name: there is one mesh.
+/// BED_MESH_PROFILE, with any name: there is one mesh. The first of its words counts.
 fn profile(text: &[u8]) -> Command<'_> {
-    for word in words(text) {
-        let Some((name, _)) = named_value(word) else { return Command::Malformed(Flaw::NoPair(word)) };
-        match name {
-            name if name.eq_ignore_ascii_case(b"LOAD") => {
-                let words = LevellingWords { on: Some(true), loads: true, ..LevellingWords::default() };
-                return Command::Bed(BedCommand::Levelling(words));
-            }
-            name if name.eq_ignore_ascii_case(b"SAVE") => return Command::Bed(BedCommand::Save),
-            name if name.eq_ignore_ascii_case(b"REMOVE") => return Command::Bed(BedCommand::Forget(Forgets::Kept)),
-            _ => {}
+    const NAMES: [&str; 3] = ["LOAD", "SAVE", "REMOVE"];
+    let mut first = NAMES.len();
+    let flaw = flaw_of_pairs(text, &NAMES, &mut |pair| {
+        first = pair.place;
+        // The words behind it do not count.
+        if first < NAMES.len() { Some(pair.flaw()) } else { None }
+    });
+    match (first, flaw) {
+        (0, _) => {
+            let words = LevellingWords { on: Some(true), loads: true, ..LevellingWords::default() };
+            Command::Bed(BedCommand::Levelling(words))
         }
+        (1, _) => Command::Bed(BedCommand::Save),
+        (2, _) => Command::Bed(BedCommand::Forget(Forgets::Kept)),
+        (_, Some(flaw)) => Command::Malformed(flaw),
+        (_, None) => Command::Bed(BedCommand::Levelling(LevellingWords::default())),
     }
-    Command::Bed(BedCommand::Levelling(LevellingWords::default()))
 }
 
 /// EXCLUDE_OBJECT_DEFINE. A polygon has no blanks, or stands last.

@@ -6,6 +6,7 @@
 //! | [`probing`], [`bed`], [`resonance`], [`reports`] | the same |
 //! | [`refused`], [`silent`] | the same for commands that are not carried out |
 //! | [`offset`] | words of the offsets of z, for [`motion`] |
+//! | [`pairs`] | the words of Klipper's commands |
 //! | [`row`] | the parts of a row |
 //! | [`own`] | the rows of another room's own table, and their commands |
 //! | [`grammar`] | the rules for words, and the lines that break them |
@@ -19,6 +20,7 @@ pub(super) mod motion;
 mod motors;
 mod offset;
 pub(super) mod own;
+mod pairs;
 mod probing;
 mod refused;
 mod reports;

@@ -2,15 +2,14 @@
 
 use super::Command;
 use super::grammar::{Grammar, NO_AXES, WORDS};
+use super::pairs::flaw_of_pairs;
 use super::row::Described;
-use super::settings::{named_value, words};
 use crate::gcode::axes::axis_flags;
 use crate::gcode::index::{Absent, Named, Part};
 use crate::gcode::lexer::{has, last, number, numbers, switch};
 use crate::gcode::number::Number;
 use crate::gcode::parts::{AxisFlags, Flaw, LevelWords};
 use crate::motors::MotorName;
-use crate::text::is_word;
 
 /// Motors, their drivers and belts.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -108,21 +107,21 @@ fn level(text: &[u8]) -> LevelWords {
 
 /// Klipper's words: RETRIES come after the first round. Its other words are for its own probes.
 fn level_by_name(text: &[u8]) -> Command<'_> {
+    const NAMES: [&str; 2] = ["RETRIES", "RETRY_TOLERANCE"];
     let mut level = LevelWords::default();
-    for word in words(text) {
-        let Some((name, value)) = named_value(word) else { return Command::Malformed(Flaw::NoPair(word)) };
-        let (is_retries, is_tolerance) = (is_word(name, b"RETRIES"), is_word(name, b"RETRY_TOLERANCE"));
-        if !(is_retries || is_tolerance) {
-            continue;
+    let flaw = flaw_of_pairs(text, &NAMES, &mut |pair| {
+        if pair.place >= NAMES.len() {
+            return None;
         }
-        let Some((number, _)) = Number::read(value) else { return Command::Malformed(Flaw::NoPair(word)) };
-        if is_retries {
+        let Some((number, _)) = Number::read(pair.value) else { return Some(pair.flaw()) };
+        if pair.place == 0 {
             level.rounds = Some(Number::from(number.to_int().saturating_add(1)));
         } else {
             level.within = Some(number);
         }
-    }
-    Command::Motor(MotorCommand::LevelScrews(level))
+        None
+    });
+    flaw.map_or(Command::Motor(MotorCommand::LevelScrews(level)), Command::Malformed)
 }
 
 /// M18 and M84: with S a time, otherwise axes.
@@ -142,19 +141,18 @@ fn stealth(text: &[u8]) -> MotorCommand {
 /// STEPPER_BUZZ STEPPER=.. FREE=.., with the names of motors in the machine's file.
 fn buzz(text: &[u8]) -> Command<'_> {
     let (mut motor, mut free) = (MotorName::NONE, None);
-    for word in words(text) {
-        let Some((name, value)) = named_value(word) else { return Command::Malformed(Flaw::NoPair(word)) };
-        let Some(known) = core::str::from_utf8(value).ok().and_then(MotorName::new) else {
-            let absent = Absent { command: Named::Name(BUZZ), part: Part::Motor, which: value };
-            return Command::Malformed(Flaw::Absent(absent));
+    let flaw = flaw_of_pairs(text, &["STEPPER", "FREE"], &mut |pair| {
+        let Some(known) = core::str::from_utf8(pair.value).ok().and_then(MotorName::new) else {
+            return Some(Flaw::Absent(Absent { command: Named::Name(BUZZ), part: Part::Motor, which: pair.value }));
         };
-        match name {
-            name if is_word(name, b"STEPPER") => motor = known,
-            name if is_word(name, b"FREE") => free = Some(known),
-            _ => return Command::Malformed(Flaw::NoPair(word)),
+        match pair.place {
+            0 => motor = known,
+            1 => free = Some(known),
+            _ => return Some(pair.flaw()),
         }
-    }
-    Command::Motor(MotorCommand::Buzz { motor, free })
+        None
+    });
+    flaw.map_or(Command::Motor(MotorCommand::Buzz { motor, free }), Command::Malformed)
 }
 
 /// M915. RepRapFirmware's is another command; it has these words in addition to its axes, and a number at its R.

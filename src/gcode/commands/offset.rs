@@ -3,12 +3,11 @@
 use super::Command;
 use super::grammar::Grammar;
 use super::motion::MotionCommand;
+use super::pairs::flaw_of_pairs;
 use super::row::Described;
-use super::settings::{named_value, scientific, words};
 use crate::gcode::lexer::{has, numbers};
 use crate::gcode::number::Number;
-use crate::gcode::parts::{Flaw, OffsetWords};
-use crate::text::is_word;
+use crate::gcode::parts::OffsetWords;
 
 pub(super) const ROWS: &[Described] = &[
     Described::m(&[290], |_, text| Some(babystep(text)))
@@ -31,34 +30,28 @@ fn babystep(text: &[u8]) -> Command<'_> {
     Command::Motion(MotionCommand::Babystep { by, is_kept })
 }
 
-/// Words of SET_GCODE_OFFSET for axes without an offset.
-const OTHERS: [&str; 6] = ["X", "Y", "E", "X_ADJUST", "Y_ADJUST", "E_ADJUST"];
-
-/// Its own words. Any other one is ignored.
-const KNOWN: [&str; 3] = ["Z", "Z_ADJUST", "MOVE"];
+/// Words of SET_GCODE_OFFSET: its own, and from [`OTHERS`] on those of axes without an offset. Any other one is ignored.
+const NAMES: [&str; 9] = ["Z", "Z_ADJUST", "MOVE", "X", "Y", "E", "X_ADJUST", "Y_ADJUST", "E_ADJUST"];
+const OTHERS: usize = 3;
 
 /// SET_GCODE_OFFSET. MOVE_SPEED is not obeyed: z moves as fast as its limits allow.
 fn gcode_offset(text: &[u8]) -> Command<'_> {
-    let mut offset = OffsetWords::default();
-    for word in words(text) {
-        let Some((name, value)) = named_value(word) else { return Command::Malformed(Flaw::NoPair(word)) };
-        let is_known = KNOWN.iter().chain(&OTHERS).any(|known| is_word(name, known.as_bytes()));
-        if !is_known {
-            continue;
+    let (mut numbers, mut other) = ([None; NAMES.len()], None);
+    let flaw = flaw_of_pairs(text, &NAMES, &mut |pair| {
+        let flaw = pair.put_number(&mut numbers);
+        // 0 is what the machine has.
+        let number = numbers.get(pair.place).copied().flatten().filter(|number| *number != Number::ZERO);
+        if flaw.is_none() && pair.place >= OTHERS && number.is_some() {
+            // The words behind it do not count.
+            other = NAMES.get(pair.place);
+            return Some(pair.flaw());
         }
-        let Some(number) = scientific(value) else { return Command::Malformed(Flaw::NoPair(word)) };
-        match name {
-            name if name.eq_ignore_ascii_case(b"Z") => offset.to = Some(number),
-            name if name.eq_ignore_ascii_case(b"Z_ADJUST") => offset.by = Some(number),
-            name if name.eq_ignore_ascii_case(b"MOVE") => offset.moves = number != Number::ZERO,
-            // None is what the machine has.
-            _ if number == Number::ZERO => {}
-            name => {
-                if let Some(other) = OTHERS.into_iter().find(|other| name.eq_ignore_ascii_case(other.as_bytes())) {
-                    return Command::Motion(MotionCommand::NoOffset("SET_GCODE_OFFSET", other.as_bytes()));
-                }
-            }
-        }
+        flaw
+    });
+    if let Some(other) = other {
+        return Command::Motion(MotionCommand::NoOffset("SET_GCODE_OFFSET", other.as_bytes()));
     }
-    Command::Motion(MotionCommand::ZOffset(offset))
+    let [to, by, moves, ..] = numbers;
+    let offset = OffsetWords { to, by, moves: moves.is_some_and(|number| number != Number::ZERO) };
+    flaw.map_or(Command::Motion(MotionCommand::ZOffset(offset)), Command::Malformed)
 }

@@ -2,11 +2,11 @@
 
 use super::Command;
 use super::grammar::{Grammar, WORDS};
+use super::pairs::flaw_of_pairs;
 use super::row::Described;
-use super::settings::{named_value, scientific, words};
 use crate::gcode::lexer::number;
 use crate::gcode::number::Number;
-use crate::gcode::parts::{Flaw, SweepAxis, SweepWords};
+use crate::gcode::parts::{SweepAxis, SweepWords};
 use crate::text::is_word;
 
 /// Resonances.
@@ -61,29 +61,22 @@ fn axis(value: &[u8]) -> Option<SweepAxis> {
 
 /// A sweep in Klipper's words. Those that are for its own files and chips are left out.
 fn sweep(text: &[u8], chooses: bool) -> Command<'_> {
+    const NAMES: [&str; 8] =
+        ["FREQ_START", "FREQ_END", "ACCEL_PER_HZ", "HZ_PER_SEC", "SWEEPING_ACCEL", "SWEEPING_PERIOD", "AXIS", "OUTPUT"];
     let mut sweep = SweepWords { chooses, ..SweepWords::default() };
-    for word in words(text) {
-        let Some((name, value)) = named_value(word) else { return Command::Malformed(Flaw::NoPair(word)) };
-        let place = match name {
-            name if is_word(name, b"AXIS") => {
-                let Some(axis) = axis(value) else { return Command::Malformed(Flaw::NoPair(word)) };
-                sweep.axis = axis;
-                continue;
-            }
-            name if is_word(name, b"OUTPUT") => {
-                sweep.wants_raw = is_word(value, b"RAW_DATA");
-                continue;
-            }
-            name if is_word(name, b"FREQ_START") => &mut sweep.from,
-            name if is_word(name, b"FREQ_END") => &mut sweep.to,
-            name if is_word(name, b"ACCEL_PER_HZ") => &mut sweep.accel_per_hz,
-            name if is_word(name, b"HZ_PER_SEC") => &mut sweep.hz_per_s,
-            name if is_word(name, b"SWEEPING_ACCEL") => &mut sweep.swing,
-            name if is_word(name, b"SWEEPING_PERIOD") => &mut sweep.period,
-            _ => continue,
-        };
-        let Some(value) = scientific(value) else { return Command::Malformed(Flaw::NoPair(word)) };
-        *place = Some(value);
-    }
-    Command::Resonance(ResonanceCommand::Sweep(sweep))
+    let mut numbers = [None; 6];
+    let flaw = flaw_of_pairs(text, &NAMES, &mut |pair| {
+        match pair.place {
+            6 => match axis(pair.value) {
+                Some(axis) => sweep.axis = axis,
+                None => return Some(pair.flaw()),
+            },
+            7 => sweep.wants_raw = is_word(pair.value, b"RAW_DATA"),
+            _ => {}
+        }
+        pair.put_number(&mut numbers)
+    });
+    let [from, to, accel_per_hz, hz_per_s, swing, period] = numbers;
+    let sweep = SweepWords { from, to, accel_per_hz, hz_per_s, swing, period, ..sweep };
+    flaw.map_or(Command::Resonance(ResonanceCommand::Sweep(sweep)), Command::Malformed)
 }

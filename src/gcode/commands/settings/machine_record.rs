@@ -3,24 +3,28 @@
 
 use super::super::Command;
 use super::SettingCommand;
-use super::shaping::{named_value, words};
+use crate::gcode::commands::pairs::flaw_of_pairs;
 use crate::gcode::parts::{Flaw, MachineRecord};
-use crate::text::{is_word, read_digits};
+use crate::text::read_digits;
 
 pub(super) fn put(text: &[u8]) -> Command<'_> {
     let (mut at, mut hex) = (None, None);
-    for word in words(text) {
-        match named_value(word) {
-            Some((name, value)) if is_word(name, b"AT") => {
-                let (number, after) = read_digits(value);
-                if value.is_empty() || !after.is_empty() {
-                    return Command::Malformed(Flaw::NoPair(word));
+    let flaw = flaw_of_pairs(text, &["AT", "HEX"], &mut |pair| {
+        match pair.place {
+            0 => {
+                let (number, after) = read_digits(pair.value);
+                if pair.value.is_empty() || !after.is_empty() {
+                    return Some(pair.flaw());
                 }
                 at = Some(number);
             }
-            Some((name, value)) if is_word(name, b"HEX") => hex = Some(value),
-            _ => return Command::Malformed(Flaw::NoPair(word)),
+            1 => hex = Some(pair.value),
+            _ => return Some(pair.flaw()),
         }
+        None
+    });
+    if let Some(flaw) = flaw {
+        return Command::Malformed(flaw);
     }
     match (at, hex) {
         (Some(at), Some(hex)) => Command::Setting(SettingCommand::MachineRecord(MachineRecord::Put { at, hex })),

@@ -15,7 +15,6 @@ use crate::settings::plain::{AXIS_CODES, MACHINE_CODES};
 pub(super) use plain::plain;
 pub use shaping::ShaperName;
 use shaping::{linear_advance, pressure_advance, set_pressure_advance, set_velocity_limit, shaper};
-pub(super) use shaping::{named_value, scientific, words};
 
 /// Settings, and where they are kept.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -3,12 +3,12 @@
 use super::super::Command;
 use super::SettingCommand;
 use crate::gcode::axes::axis_flags;
+use crate::gcode::commands::pairs::{flaw_of_pairs, times_ten_to};
 use crate::gcode::index::absent_extruder;
-use crate::gcode::lexer::{Words, is_blank, numbers};
+use crate::gcode::lexer::{Words, numbers};
 use crate::gcode::number::Number;
 use crate::gcode::parts::{AxisFlags, Flaw, ShaperWords, VelocityWords};
 use crate::text::is_word;
-use fixed::types::I32F32;
 
 /// The shapers of M593; the value of each is its number in M593 T (Prusa-Firmware-Buddy).
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -95,85 +95,30 @@ pub(super) fn pressure_advance(text: &[u8]) -> Command<'static> {
 
 /// SET_PRESSURE_ADVANCE ADVANCE=.. SMOOTH_TIME=.. (Klipper). EXTRUDER names the extruder; there is only one.
 pub(super) fn set_pressure_advance(text: &[u8]) -> Command<'_> {
-    let (mut time, mut window) = (None, None);
-    for word in words(text) {
-        let Some((name, value)) = named_value(word) else { return Command::Malformed(Flaw::NoPair(word)) };
-        let place = match name {
-            name if is_word(name, b"EXTRUDER") => match absent_extruder("SET_PRESSURE_ADVANCE", value) {
-                Some(absent) => return Command::Malformed(Flaw::Absent(absent)),
-                None => continue,
-            },
-            name if is_word(name, b"ADVANCE") => &mut time,
-            name if is_word(name, b"SMOOTH_TIME") => &mut window,
-            _ => continue,
-        };
-        let Some(number) = scientific(value) else { return Command::Malformed(Flaw::NoPair(word)) };
-        *place = Some(number);
-    }
-    Command::Setting(SettingCommand::Advance { time, window })
+    const NAMES: [&str; 3] = ["ADVANCE", "SMOOTH_TIME", "EXTRUDER"];
+    let mut numbers = [None; 2];
+    let flaw = flaw_of_pairs(text, &NAMES, &mut |pair| match pair.place {
+        2 => absent_extruder("SET_PRESSURE_ADVANCE", pair.value).map(Flaw::Absent),
+        _ => pair.put_number(&mut numbers),
+    });
+    let [time, window] = numbers;
+    flaw.map_or(Command::Setting(SettingCommand::Advance { time, window }), Command::Malformed)
 }
 
 /// SET_VELOCITY_LIMIT (Klipper); without words a report.
 pub(super) fn set_velocity_limit(text: &[u8]) -> Command<'_> {
-    let mut limit = VelocityWords::default();
-    for word in words(text) {
-        let Some((name, value)) = named_value(word) else { return Command::Malformed(Flaw::NoPair(word)) };
-        let place = match name {
-            name if is_word(name, b"ACCEL") => &mut limit.acceleration,
-            name if is_word(name, b"ACCEL_TO_DECEL") => &mut limit.to_deceleration,
-            name if is_word(name, b"MINIMUM_CRUISE_RATIO") => &mut limit.cruise_ratio,
-            name if is_word(name, b"SQUARE_CORNER_VELOCITY") => &mut limit.square_corner,
-            // Klipper's own word before an unknown one.
-            name if limit.other.is_none() || is_word(name, b"VELOCITY") => {
-                limit.other = Some(name);
-                continue;
-            }
-            _ => continue,
-        };
-        let Some(number) = scientific(value) else { return Command::Malformed(Flaw::NoPair(word)) };
-        *place = Some(number);
-    }
-    Command::Setting(SettingCommand::VelocityLimit(limit))
-}
-
-/// The words between blanks, up to a comment. A text in quotes belongs to its word, with its spaces.
-pub(in crate::gcode::commands) fn words(text: &[u8]) -> impl Iterator<Item = &[u8]> {
-    let text = text.split(|byte| *byte == b';').next().unwrap_or_default();
-    let mut is_quoted = false;
-    let ends_word = move |byte: &u8| {
-        is_quoted ^= *byte == b'"';
-        is_blank(*byte) && !(is_quoted && *byte == b' ')
-    };
-    text.split(ends_word).filter(|word| !word.is_empty())
-}
-
-/// A name and the value after its `=`, which may stand in quotes.
-pub(in crate::gcode::commands) fn named_value(word: &[u8]) -> Option<(&[u8], &[u8])> {
-    let length = word.iter().position(|byte| *byte == b'=').filter(|length| *length > 0)?;
-    let value = match word.get(length + 1..)? {
-        [b'"', inside @ .., b'"'] => inside,
-        value => value,
-    };
-    Some((word.get(..length)?, value))
-}
-
-/// `number` times a power of ten, to the nearest (a tie away from zero).
-fn times_ten_to(number: Number, exponent: Number) -> Number {
-    let (bits, exponent) = (number.value().to_bits(), exponent.to_int());
-    // Beyond 10^18 no digit is left, or it is beyond all limits.
-    let power = 10i64.pow(exponent.unsigned_abs().min(18));
-    let bits = if exponent < 0 { (bits + bits.signum() * (power / 2)) / power } else { bits.saturating_mul(power) };
-    Number::saturating(I32F32::from_bits(bits))
-}
-
-/// A number that may have an exponent, up to the end of the text.
-pub(in crate::gcode::commands) fn scientific(text: &[u8]) -> Option<Number> {
-    let (number, after) = Number::read(text)?;
-    let (exponent, after) = match after {
-        [b'e' | b'E', exponent @ ..] => Number::read(exponent)?,
-        _ => (Number::ZERO, after),
-    };
-    after.is_empty().then(|| times_ten_to(number, exponent))
+    const NAMES: [&str; 5] = ["ACCEL", "ACCEL_TO_DECEL", "MINIMUM_CRUISE_RATIO", "SQUARE_CORNER_VELOCITY", "VELOCITY"];
+    let (mut numbers, mut other) = ([None; 4], None);
+    let flaw = flaw_of_pairs(text, &NAMES, &mut |pair| {
+        // Klipper's own word before an unknown one.
+        if pair.place == 4 || pair.place > 4 && other.is_none() {
+            other = Some(pair.name);
+        }
+        pair.put_number(&mut numbers)
+    });
+    let [acceleration, to_deceleration, cruise_ratio, square_corner] = numbers;
+    let limit = VelocityWords { acceleration, to_deceleration, cruise_ratio, square_corner, other };
+    flaw.map_or(Command::Setting(SettingCommand::VelocityLimit(limit)), Command::Malformed)
 }
 
 #[cfg(test)]
