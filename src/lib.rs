@@ -34,6 +34,10 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+// Before the others, which use its macros.
+#[macro_use]
+pub mod text;
+
 pub mod accelerometer;
 pub mod app;
 pub mod checksum;
@@ -51,6 +55,5 @@ pub mod settings;
 pub mod status;
 pub mod storage;
 pub mod surface;
-pub mod text;
 pub mod thermal;
 pub mod units;

@@ -217,10 +217,10 @@ pub enum StorageError {
 
 impl core::fmt::Display for StorageError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(match self {
-            Self::Absent => "no storage on this machine",
-            Self::Failed => "storage does not answer",
-        })
+        match self {
+            Self::Absent => put!(f, "no storage on this machine"),
+            Self::Failed => put!(f, "storage does not answer"),
+        }
     }
 }
 

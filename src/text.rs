@@ -1,11 +1,14 @@
 //! Text: what `protocol` and `gcode` both do with bytes, taking blanks off and reading digits; and the short names of
-//! motors and connectors (`short_name.rs`).
+//! motors and connectors (`short_name.rs`). And the texts of all rooms, packed (`packed.rs`).
 //!
 //! The caller says which characters are blanks. To `gcode` the no-break space that people copy from web pages is one.
 //! To `protocol`, which trusts the text below a checksum, only space and tab are.
 
+#[macro_use]
+mod packed;
 mod short_name;
 
+pub use packed::{Packed, Text, put};
 pub use short_name::{NameKind, ShortName};
 
 /// `text` without the bytes at its beginning that `is_blank` likes.

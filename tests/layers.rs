@@ -16,7 +16,7 @@ const ARROWS: [(&str, &[&str]); 20] = [
     ("motors", &["text"]),
     ("connectors", &["text"]),
     ("accelerometer", &[]),
-    ("fault", &["units", "checksum", "connectors"]),
+    ("fault", &["units", "text", "checksum", "connectors"]),
     ("status", &["units", "motors", "connectors", "fault"]),
     ("port", &["units", "motors", "connectors", "accelerometer"]),
     ("protocol", &["units", "text", "port"]),
@@ -31,6 +31,7 @@ const ARROWS: [(&str, &[&str]); 20] = [
         "machine",
         &[
             "units",
+            "text",
             "surface",
             "motors",
             "status",

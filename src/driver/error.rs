@@ -61,17 +61,17 @@ impl DriverError {
 impl fmt::Display for DriverError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Silent => f.write_str("does not answer: is the motor supply on, its jumper set to UART?"),
-            Self::Garbled => f.write_str("answers, but the answer is damaged: check its UART wire"),
-            Self::NotTaken => f.write_str("did not accept its configuration: check its UART wire"),
-            Self::Differs(register) => write!(f, "holds a different {} than the firmware wrote", register.name()),
-            Self::Microsteps => f.write_str("uses different microsteps than the firmware wrote"),
-            Self::LostConfiguration => f.write_str("was reset and lost its configuration: check the motor supply"),
-            Self::WrongChip(version) => write!(f, "is not a TMC2209: its version is {version:#04x}"),
-            Self::ShortCircuit => f.write_str("reports a short circuit: check the motor and its cable"),
-            Self::OverTemperature => f.write_str("was too hot and switched itself off: cool it, or lower M906"),
-            Self::ShutDown => f.write_str("had switched itself off: heat or a short circuit"),
-            Self::LowSupply => f.write_str("reports a low supply voltage: check the motor supply"),
+            Self::Silent => put!(f, "does not answer: is the motor supply on, its jumper set to UART?"),
+            Self::Garbled => put!(f, "answers, but the answer is damaged: check its UART wire"),
+            Self::NotTaken => put!(f, "did not accept its configuration: check its UART wire"),
+            Self::Differs(register) => put!(f, "holds a different {} than the firmware wrote", register.name()),
+            Self::Microsteps => put!(f, "uses different microsteps than the firmware wrote"),
+            Self::LostConfiguration => put!(f, "was reset and lost its configuration: check the motor supply"),
+            Self::WrongChip(version) => put!(f, "is not a TMC2209: its version is {version:#04x}"),
+            Self::ShortCircuit => put!(f, "reports a short circuit: check the motor and its cable"),
+            Self::OverTemperature => put!(f, "was too hot and switched itself off: cool it, or lower M906"),
+            Self::ShutDown => put!(f, "had switched itself off: heat or a short circuit"),
+            Self::LowSupply => put!(f, "reports a low supply voltage: check the motor supply"),
         }
     }
 }
@@ -91,7 +91,7 @@ pub struct Fault {
 
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "driver of motor {} {}", self.name, self.error)
+        put!(f, "driver of motor {} {}", self.name, self.error)
     }
 }
 

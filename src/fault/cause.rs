@@ -5,7 +5,9 @@
 //! of its numbers. Hosts read the text, so `tests/replies.rs` looks for words that they would misread.
 
 use crate::connectors::Heater;
+use crate::text::Packed;
 use crate::units::Celsius;
+use core::fmt::Write;
 
 /// Why the machine stopped.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, serde::Deserialize)]
@@ -143,66 +145,72 @@ impl Cause {
     }
 
     /// Its message.
-    const fn text(self) -> &'static str {
+    const fn text(self) -> Packed {
         match self {
-            Self::SensorOpen => "sensor open or unplugged",
-            Self::SensorShort => "sensor shorted",
-            Self::TooCold => "colder than its sensor may read (MINTEMP)",
-            Self::TooHot => "hotter than it may get (MAXTEMP)",
-            Self::SensorFlickers => "sensor has a loose contact",
-            Self::SensorFrozen => "reading stands still",
-            Self::SensorsSwapped => "another sensor follows this heater: swapped?",
-            Self::HeatsTooSlowly => "heating failed, warms too slowly",
-            Self::TemperatureLost => "thermal runaway, temperature lost",
-            Self::HeatsWhileOff => "gets warmer while switched off",
-            Self::Overshoot => "far above its target without power",
-            Self::FanFailed => "fan stands still",
-            Self::Reference => "reference voltage of the converter is wrong",
-            Self::ConverterStopped => "analog converter stopped",
-            Self::SettingsDamaged => "settings in RAM are damaged",
-            Self::SelfTest => "self-test failed, its sensor did not follow it, or another one did",
-            Self::ContextHangs => "a part of the firmware hangs",
-            Self::Panic => "firmware gave up (panic)",
-            Self::HardFault => "processor fault",
-            Self::StackOverflow => "stack overflow",
-            Self::ClockFailed => "crystal failed",
-            Self::Watchdog => "watchdog reset",
-            Self::Supply => "supply voltage fell",
-            Self::Driver => "motor driver",
-            Self::InterruptStorm => "came without end (interrupt storm), masked",
+            Self::SensorOpen => packed!("sensor open or unplugged"),
+            Self::SensorShort => packed!("sensor shorted"),
+            Self::TooCold => packed!("colder than its sensor may read (MINTEMP)"),
+            Self::TooHot => packed!("hotter than it may get (MAXTEMP)"),
+            Self::SensorFlickers => packed!("sensor has a loose contact"),
+            Self::SensorFrozen => packed!("reading stands still"),
+            Self::SensorsSwapped => packed!("another sensor follows this heater: swapped?"),
+            Self::HeatsTooSlowly => packed!("heating failed, warms too slowly"),
+            Self::TemperatureLost => packed!("thermal runaway, temperature lost"),
+            Self::HeatsWhileOff => packed!("gets warmer while switched off"),
+            Self::Overshoot => packed!("far above its target without power"),
+            Self::FanFailed => packed!("fan stands still"),
+            Self::Reference => packed!("reference voltage of the converter is wrong"),
+            Self::ConverterStopped => packed!("analog converter stopped"),
+            Self::SettingsDamaged => packed!("settings in RAM are damaged"),
+            Self::SelfTest => packed!("self-test failed, its sensor did not follow it, or another one did"),
+            Self::ContextHangs => packed!("a part of the firmware hangs"),
+            Self::Panic => packed!("firmware gave up (panic)"),
+            Self::HardFault => packed!("processor fault"),
+            Self::StackOverflow => packed!("stack overflow"),
+            Self::ClockFailed => packed!("crystal failed"),
+            Self::Watchdog => packed!("watchdog reset"),
+            Self::Supply => packed!("supply voltage fell"),
+            Self::Driver => packed!("motor driver"),
+            Self::InterruptStorm => packed!("came without end (interrupt storm), masked"),
         }
     }
 
     /// The remedy. A `#` stands for the heater's E in M303 and M306.
-    const fn way_out(self) -> &'static str {
+    const fn way_out(self) -> Packed {
         match self {
-            Self::SensorOpen => "plug its sensor in, or mend the wire",
-            Self::SensorShort => "mend the sensor's wire",
-            Self::TooCold => "warm the room, or set the sensor's kind (thermistor)",
-            Self::TooHot => "unplug the heater if it stays hot; check its switch and the sensor's kind (thermistor)",
-            Self::SensorFlickers => "mend the contact of its sensor",
-            Self::SensorFrozen => "check its sensor, then reset",
-            Self::SensorsSwapped => "check which plug is where, and the names in the machine's file",
-            Self::HeatsTooSlowly => "check heater and sensor; if it is heavier than its model, M303 E# U1 finds that",
-            Self::TemperatureLost => "check heater, sensor and draught; if all is well, M303 E# U1 finds its model",
-            Self::HeatsWhileOff => "unplug the heater, its switch is stuck",
-            Self::Overshoot => {
-                "unplug the heater if it gets hotter, its switch is stuck; if not, M303 E# U1 finds its model"
+            Self::SensorOpen => packed!("plug its sensor in, or mend the wire"),
+            Self::SensorShort => packed!("mend the sensor's wire"),
+            Self::TooCold => packed!("warm the room, or set the sensor's kind (thermistor)"),
+            Self::TooHot => {
+                packed!("unplug the heater if it stays hot; check its switch and the sensor's kind (thermistor)")
             }
-            Self::FanFailed => "free the fan, or plug it in",
-            Self::Reference => "measure the board's 3.3 V; no sensor's wire may touch 24 V",
-            Self::SelfTest => "check which plug is where, set its power (M306 E# P), then SELF_TEST",
-            Self::Supply => "check the power supply and its wires",
-            Self::Driver => "M122 tells which",
+            Self::SensorFlickers => packed!("mend the contact of its sensor"),
+            Self::SensorFrozen => packed!("check its sensor, then reset"),
+            Self::SensorsSwapped => packed!("check which plug is where, and the names in the machine's file"),
+            Self::HeatsTooSlowly => {
+                packed!("check heater and sensor; if it is heavier than its model, M303 E# U1 finds that")
+            }
+            Self::TemperatureLost => {
+                packed!("check heater, sensor and draught; if all is well, M303 E# U1 finds its model")
+            }
+            Self::HeatsWhileOff => packed!("unplug the heater, its switch is stuck"),
+            Self::Overshoot => {
+                packed!("unplug the heater if it gets hotter, its switch is stuck; if not, M303 E# U1 finds its model")
+            }
+            Self::FanFailed => packed!("free the fan, or plug it in"),
+            Self::Reference => packed!("measure the board's 3.3 V; no sensor's wire may touch 24 V"),
+            Self::SelfTest => packed!("check which plug is where, set its power (M306 E# P), then SELF_TEST"),
+            Self::Supply => packed!("check the power supply and its wires"),
+            Self::Driver => packed!("M122 tells which"),
             Self::ConverterStopped | Self::SettingsDamaged | Self::ClockFailed => {
-                "reset; if it comes again, replace the board"
+                packed!("reset; if it comes again, replace the board")
             }
             Self::ContextHangs
             | Self::Panic
             | Self::HardFault
             | Self::StackOverflow
             | Self::Watchdog
-            | Self::InterruptStorm => "reset, and report it with what M122 says",
+            | Self::InterruptStorm => packed!("reset, and report it with what M122 says"),
         }
     }
 
@@ -312,29 +320,39 @@ impl core::fmt::Display for Fault {
                 let heater = Heater::ALL.get(usize::from(self.subject)).map_or("heater", |heater| heater.name());
                 write!(f, "{heater}: ")?;
             }
-            Subject::Fan => write!(f, "FAN{}: ", self.subject)?,
-            Subject::Interrupt => write!(f, "interrupt {}: ", self.subject)?,
+            Subject::Fan => put!(f, "FAN{}: ", self.subject)?,
+            Subject::Interrupt => put!(f, "interrupt {}: ", self.subject)?,
             Subject::Other => {}
         }
-        f.write_str(self.cause.text())?;
+        write!(f, "{}", self.cause.text())?;
         if self.cause.is_of_degrees() {
             let tenths = |bits: i32| (i64::from(bits) * 10) >> Celsius::FRAC_NBITS;
             let (value, limit) = (tenths(self.value), tenths(self.limit));
             let sign = |tenths: i64| if tenths < 0 { "-" } else { "" };
             let [a, b] = [value.unsigned_abs(), limit.unsigned_abs()];
-            write!(f, " ({}{}.{} C, limit {}{}.{} C)", sign(value), a / 10, a % 10, sign(limit), b / 10, b % 10)?;
+            put!(f, " ({}{}.{} C, limit {}{}.{} C)", sign(value), a / 10, a % 10, sign(limit), b / 10, b % 10)?;
         } else if subject == Subject::Other && (self.value != 0 || self.limit != 0) {
             write!(f, " ({:#x}, {:#x})", self.value, self.limit)?;
         }
         write!(f, " [E{:02}]: ", self.cause as u8)?;
         // M303 and M306 number heaters 0, -1, -2.
-        let mut gap = "";
-        for part in self.cause.way_out().split('#') {
-            f.write_str(gap)?;
-            f.write_str(part)?;
-            gap = ["0", "-1", "-2"].get(usize::from(self.subject)).copied().unwrap_or("0");
-        }
-        Ok(())
+        let number = ["0", "-1", "-2"].get(usize::from(self.subject)).copied().unwrap_or("0");
+        write!(Numbered { f, number }, "{}", self.cause.way_out())
+    }
+}
+
+/// Writes a heater's number in place of each `#`.
+struct Numbered<'f, 'b> {
+    f: &'f mut core::fmt::Formatter<'b>,
+    number: &'static str,
+}
+
+impl Write for Numbered<'_, '_> {
+    fn write_str(&mut self, text: &str) -> core::fmt::Result {
+        text.split_inclusive('#').try_for_each(|part| match part.strip_suffix('#') {
+            Some(before) => self.f.write_str(before).and_then(|()| self.f.write_str(self.number)),
+            None => self.f.write_str(part),
+        })
     }
 }
 

@@ -64,16 +64,16 @@ impl core::fmt::Display for MechanismError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::Entry(_) => {
-                write!(f, "entries are -1, 0 or 1, all times one whole number up to {MOST_MULTIPLE}")
+                put!(f, "entries are -1, 0 or 1, all times one whole number up to {MOST_MULTIPLE}")
             }
-            Self::Multiples => f.write_str(
-                "numbers above 1 are for motors that share axes, and not for more different motors than axes",
-            ),
-            Self::Mixed(_) => f.write_str("a motor moves the tool or the filament, not both"),
-            Self::NotDriven(axis) => write!(f, "no motor moves {axis}"),
-            Self::Loose => f.write_str("the motors do not hold x, y and z, two of them must differ more"),
+            Self::Multiples => {
+                put!(f, "numbers above 1 are for motors that share axes, and not for more different motors than axes")
+            }
+            Self::Mixed(_) => put!(f, "a motor moves the tool or the filament, not both"),
+            Self::NotDriven(axis) => put!(f, "no motor moves {axis}"),
+            Self::Loose => put!(f, "the motors do not hold x, y and z, two of them must differ more"),
             Self::TooManyGroups => {
-                write!(f, "at most {MOST_GROUPS} motors may differ, others must repeat or mirror them")
+                put!(f, "at most {MOST_GROUPS} motors may differ, others must repeat or mirror them")
             }
         }
     }

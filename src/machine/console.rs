@@ -130,7 +130,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
             end_line(&mut main_loop.hosts, &mut main_loop.pauses);
         }
         if hear::take_up(&mut main_loop.hosts, &mut main_loop.job).is_some() {
-            main_loop.hosts.notify_all(format_args!("{}", Action::PromptEnd));
+            main_loop.hosts.notify_all(text!("{}", Action::PromptEnd));
             main_loop.reply(Answer::Ok).await?;
             end_line(&mut main_loop.hosts, &mut main_loop.pauses);
         }
@@ -202,7 +202,9 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         end_measuring(main_loop).await?;
         end_touch(main_loop).await?;
         if main_loop.homed.stop() {
-            main_loop.reply(Answer::Line("echo:homing was interrupted, the position of the axis is unknown")).await?;
+            main_loop
+                .reply(Answer::Line(packed!("echo:homing was interrupted, the position of the axis is unknown")))
+                .await?;
         }
         if main_loop.job.take_cancel() {
             apart(pin!(end_job(main_loop, &mut states.modal, JobEnd::Cancelled))).await?;
@@ -221,7 +223,7 @@ fn tell_of_end<P: PortSet, W: Pend>(
 ) -> Interrupt {
     if matches!(interrupt, Interrupt::QuickStop) && !main_loop.job.is_cancelled() {
         let name = text.split(|byte| *byte == b' ').next().unwrap_or_default();
-        main_loop.hosts.notify_all(format_args!("echo:{} was ended by M410", Echo(name)));
+        main_loop.hosts.notify_all(text!("echo:{} was ended by M410", Echo(name)));
     }
     interrupt
 }

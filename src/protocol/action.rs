@@ -42,15 +42,15 @@ pub enum Action<'a> {
 impl fmt::Display for Action<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Pause => write!(f, "{ACTION}pause action:pause"),
-            Self::Paused => write!(f, "{ACTION}paused"),
-            Self::PausedAtOnce => write!(f, "{ACTION}paused action:pause"),
-            Self::Resumed => write!(f, "{ACTION}resumed"),
-            Self::Cancel => write!(f, "{ACTION}cancel action:cancel"),
-            Self::PromptBegin(text) => write!(f, "{ACTION}prompt_begin {text:.QUESTION$}"),
-            Self::PromptButton(text) => write!(f, "{ACTION}prompt_button {text:.BUTTON$}"),
-            Self::PromptShow => write!(f, "{ACTION}prompt_show"),
-            Self::PromptEnd => write!(f, "{ACTION}prompt_end"),
+            Self::Pause => put!(f, "{ACTION}pause action:pause"),
+            Self::Paused => put!(f, "{ACTION}paused"),
+            Self::PausedAtOnce => put!(f, "{ACTION}paused action:pause"),
+            Self::Resumed => put!(f, "{ACTION}resumed"),
+            Self::Cancel => put!(f, "{ACTION}cancel action:cancel"),
+            Self::PromptBegin(text) => put!(f, "{ACTION}prompt_begin {text:.QUESTION$}"),
+            Self::PromptButton(text) => put!(f, "{ACTION}prompt_button {text:.BUTTON$}"),
+            Self::PromptShow => put!(f, "{ACTION}prompt_show"),
+            Self::PromptEnd => put!(f, "{ACTION}prompt_end"),
         }
     }
 }

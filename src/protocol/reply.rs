@@ -37,7 +37,7 @@ pub struct NoRoom;
 
 impl fmt::Display for NoRoom {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("no room for the reply")
+        put!(f, "no room for the reply")
     }
 }
 
@@ -124,9 +124,9 @@ impl Replies {
     pub fn resend(&mut self, reason: ResendReason, last: i32) -> Result<(), NoRoom> {
         // Marlin's words (language.h) tell hosts that the error is not fatal.
         let what = match reason {
-            ResendReason::LineNumber => "Line Number is not Last Line Number+1",
-            ResendReason::ChecksumMismatch => "checksum mismatch",
-            ResendReason::NoChecksum => "No Checksum with line number",
+            ResendReason::LineNumber => packed!("Line Number is not Last Line Number+1"),
+            ResendReason::ChecksumMismatch => packed!("checksum mismatch"),
+            ResendReason::NoChecksum => packed!("No Checksum with line number"),
         };
         self.whole(|replies| {
             replies.append(format_args!("Error:{what}, Last Line: {last}"))?;

@@ -65,42 +65,42 @@ pub enum SettingsError {
 impl core::fmt::Display for SettingsError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
-            Self::OutOfRange(key) => write!(f, "{key} is outside its legal range"),
-            Self::OutOfRangeBeside(key) => write!(f, "{key} is outside its legal range"),
+            Self::OutOfRange(key) => put!(f, "{key} is outside its legal range"),
+            Self::OutOfRangeBeside(key) => put!(f, "{key} is outside its legal range"),
             Self::TooManySteps(axis) => {
-                write!(f, "{axis}: speed limit x steps_per_mm is above {} steps/s", ranges::STEP_RATE.whole())
+                put!(f, "{axis}: speed limit x steps_per_mm is above {} steps/s", ranges::STEP_RATE.whole())
             }
-            Self::ResolutionsDiffer(axes) => write!(f, "{axes} share motors: their steps_per_mm must be equal"),
-            Self::MicrostepsDiffer { motors: [a, b], microsteps: [of_a, of_b], keys: [key_a, key_b] } => write!(
+            Self::ResolutionsDiffer(axes) => put!(f, "{axes} share motors: their steps_per_mm must be equal"),
+            Self::MicrostepsDiffer { motors: [a, b], microsteps: [of_a, of_b], keys: [key_a, key_b] } => put!(
                 f,
                 "motors {a} and {b} move the same axis with {of_a} and {of_b} microsteps, so one moves further than the \
                 other: set {key_a}.microsteps and {key_b}.microsteps alike",
             ),
             Self::BeltCurrents { motors: [a, b], currents: [of_a, of_b] } => {
-                write!(f, "motors {a} and {b} pull one closed belt, but ")?;
+                put!(f, "motors {a} and {b} pull one closed belt, but ")?;
                 match (of_a, of_b) {
-                    (0, of_b) => write!(f, "only {b} has its own current, {of_b} mA")?,
-                    (of_a, 0) => write!(f, "only {a} has its own current, {of_a} mA")?,
-                    (of_a, of_b) => write!(f, "with {of_a} and {of_b} mA")?,
+                    (0, of_b) => put!(f, "only {b} has its own current, {of_b} mA")?,
+                    (of_a, 0) => put!(f, "only {a} has its own current, {of_a} mA")?,
+                    (of_a, of_b) => put!(f, "with {of_a} and {of_b} mA")?,
                 }
-                write!(f, ": give all motors of the belt the same current_ma, or set drivers.belt.current_ma alone")
+                put!(f, ": give all motors of the belt the same current_ma, or set drivers.belt.current_ma alone")
             }
             Self::NamedAsGroup(motor) => {
-                write!(f, "drivers.{motor} is a group of drivers, not motor {motor} alone: rename the motor")
+                put!(f, "drivers.{motor} is a group of drivers, not motor {motor} alone: rename the motor")
             }
-            Self::Mechanism { error, motor } if motor.is_none() => write!(f, "mechanism: {error}"),
-            Self::Mechanism { error, motor } => write!(f, "mechanism.{motor}: {error}"),
-            Self::MotorNames => f.write_str("motors.names has every motor once"),
+            Self::Mechanism { error, motor } if motor.is_none() => put!(f, "mechanism: {error}"),
+            Self::Mechanism { error, motor } => put!(f, "mechanism.{motor}: {error}"),
+            Self::MotorNames => put!(f, "motors.names has every motor once"),
             Self::Nameless(number) => {
-                write!(f, "mechanism has a row for motor {number} of motors.names, which has no such motor")
+                put!(f, "mechanism has a row for motor {number} of motors.names, which has no such motor")
             }
-            Self::HomingOrder => f.write_str("homing.order names x, y and z once each"),
+            Self::HomingOrder => put!(f, "homing.order names x, y and z once each"),
             Self::Circulation => {
-                f.write_str("belt.closed: turning all motors of x and y alike moves the tool, so no belt runs round")
+                put!(f, "belt.closed: turning all motors of x and y alike moves the tool, so no belt runs round")
             }
-            Self::NoProbe => f.write_str("probe.z_home needs a probe: set probe.kind"),
-            Self::SharedHeater(what) => write!(f, "two heaters have the same {what}"),
-            Self::NoSuchMicrosteps(group) => write!(f, "{group}: microsteps are 1, 2, 4 and so on up to 256"),
+            Self::NoProbe => put!(f, "probe.z_home needs a probe: set probe.kind"),
+            Self::SharedHeater(what) => put!(f, "two heaters have the same {what}"),
+            Self::NoSuchMicrosteps(group) => put!(f, "{group}: microsteps are 1, 2, 4 and so on up to 256"),
         }
     }
 }

@@ -116,7 +116,7 @@ impl<'de> Deserialize<'de> for MachineName {
             type Value = MachineName;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("the name of a machine, of at most 24 characters")
+                put!(f, "the name of a machine, of at most 24 characters")
             }
 
             fn visit_str<E: Error>(self, text: &str) -> Result<MachineName, E> {

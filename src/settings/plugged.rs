@@ -217,11 +217,11 @@ impl Plugged {
 impl Display for Plugged {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Motor(motor) => write!(f, "motor {motor}"),
-            Self::Endstop(axis) => write!(f, "endstop of {axis}"),
-            Self::Probe => f.write_str("probe"),
-            Self::Filament => f.write_str("filament sensor"),
-            Self::Tachometer(fan) => write!(f, "tachometer of fan{fan}"),
+            Self::Motor(motor) => put!(f, "motor {motor}"),
+            Self::Endstop(axis) => put!(f, "endstop of {axis}"),
+            Self::Probe => put!(f, "probe"),
+            Self::Filament => put!(f, "filament sensor"),
+            Self::Tachometer(fan) => put!(f, "tachometer of fan{fan}"),
         }
     }
 }
@@ -230,21 +230,21 @@ impl Display for ConnectorError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Nowhere(part, board) => {
-                write!(f, "{part}: it has no connector; the {} has ", board.name)?;
+                put!(f, "{part}: it has no connector; the {} has ", board.name)?;
                 list_connectors(f, part.connectors_of(board))
             }
             Self::NoSuch(part, connector, board) => {
-                write!(f, "{part}: the {} has no connector {connector}; it has ", board.name)?;
+                put!(f, "{part}: the {} has no connector {connector}; it has ", board.name)?;
                 list_connectors(f, part.connectors_of(board))
             }
             Self::Twice([a, b], [one, other]) if one == other => {
-                write!(f, "{a} and {b} have the same connector, {one}")
+                put!(f, "{a} and {b} have the same connector, {one}")
             }
             Self::Twice([a, b], [one, other]) => {
-                write!(f, "{a} and {b} cannot both be used: {one} and {other} are one line to the processor")
+                put!(f, "{a} and {b} cannot both be used: {one} and {other} are one line to the processor")
             }
             Self::NoSuchOutput(heater, output, board) => {
-                write!(f, "heater {}: the {} has no output {}; it has ", heater.name(), board.name, output.name())?;
+                put!(f, "heater {}: the {} has no output {}; it has ", heater.name(), board.name, output.name())?;
                 let mut list = List::new(f);
                 for (output, name) in &Output::ALL {
                     if board.outputs.has(*output) {
@@ -254,22 +254,22 @@ impl Display for ConnectorError {
                 list.end()
             }
             Self::NoSuchSensor(heater, sensor, board) => {
-                write!(f, "heater {}: the {} has no sensor {}; it has ", heater.name(), board.name, sensor.name())?;
+                put!(f, "heater {}: the {} has no sensor {}; it has ", heater.name(), board.name, sensor.name())?;
                 list_sensors(f, board.sensors)
             }
-            Self::NoServo(board) => write!(f, "probe: the {} has no servo line for a bltouch", board.name),
-            Self::NoAccelerometer(board) => write!(f, "accelerometer: the {} has no connector for one", board.name),
+            Self::NoServo(board) => put!(f, "probe: the {} has no servo line for a bltouch", board.name),
+            Self::NoAccelerometer(board) => put!(f, "accelerometer: the {} has no connector for one", board.name),
             Self::NoSuchExtraSensor(place, sensor, board) => {
-                write!(f, "sensor {place}: the {} has no sensor {}; it has ", board.name, sensor.name())?;
+                put!(f, "sensor {place}: the {} has no sensor {}; it has ", board.name, sensor.name())?;
                 list_sensors(f, board.sensors)
             }
             Self::NoSuchFan(fan, board) | Self::FixedFan(fan, board) => {
                 let is_fixed = matches!(self, Self::FixedFan(..));
-                let but = if is_fixed { "fixes its frequency" } else { "has no such fan" };
-                write!(f, "fan{fan}: the {} {but}", board.name)
+                let but = if is_fixed { packed!("fixes its frequency") } else { packed!("has no such fan") };
+                put!(f, "fan{fan}: the {} {but}", board.name)
             }
             Self::SharedTimer(fan, has) => {
-                write!(f, "fan{fan}: another fan on its timer has {has} Hz")
+                put!(f, "fan{fan}: another fan on its timer has {has} Hz")
             }
         }
     }

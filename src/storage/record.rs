@@ -67,12 +67,12 @@ pub enum Rejected {
 impl core::fmt::Display for Rejected {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
-            Self::Blank => f.write_str("empty"),
-            Self::Damaged => f.write_str("damaged"),
-            Self::Format(format) => write!(f, "format V{format}, this firmware has V{FORMAT}"),
+            Self::Blank => put!(f, "empty"),
+            Self::Damaged => put!(f, "damaged"),
+            Self::Format(format) => put!(f, "format V{format}, this firmware has V{FORMAT}"),
             // Not the error itself: setting names hold `_max`, which OctoPrint takes for an endstop report.
-            Self::Illegal(_) => f.write_str("a value is outside its legal range"),
-            Self::Mechanism => f.write_str("for a machine with another mechanism"),
+            Self::Illegal(_) => put!(f, "a value is outside its legal range"),
+            Self::Mechanism => put!(f, "for a machine with another mechanism"),
         }
     }
 }
@@ -88,7 +88,7 @@ pub struct Receipt {
 
 impl core::fmt::Display for Receipt {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        write!(f, "({} bytes; crc {:08X})", self.bytes, self.crc)
+        put!(f, "({} bytes; crc {:08X})", self.bytes, self.crc)
     }
 }
 

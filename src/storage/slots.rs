@@ -96,8 +96,8 @@ impl core::fmt::Display for SaveError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::Storage(error) => error.fmt(f),
-            Self::NotKept => f.write_str("storage does not keep written data"),
-            Self::TooLong => f.write_str("the settings are too long"),
+            Self::NotKept => put!(f, "storage does not keep written data"),
+            Self::TooLong => put!(f, "the settings are too long"),
             Self::Illegal(why) => why.fmt(f),
         }
     }

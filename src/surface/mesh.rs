@@ -31,11 +31,11 @@ pub enum MeshError {
 
 impl fmt::Display for MeshError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::NoPoints => "the mesh has no points",
-            Self::NoArea => "the mesh has no area",
-            Self::FadesTooFast => "the fade height is less than twice the largest deviation of the mesh",
-        })
+        match self {
+            Self::NoPoints => put!(f, "the mesh has no points"),
+            Self::NoArea => put!(f, "the mesh has no area"),
+            Self::FadesTooFast => put!(f, "the fade height is less than twice the largest deviation of the mesh"),
+        }
     }
 }
 

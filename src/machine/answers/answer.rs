@@ -26,6 +26,7 @@ use crate::machine::state::retraction::RetractionSettings;
 use crate::port::{EndstopSet, Motor};
 use crate::protocol::{Action, ResendReason};
 use crate::status::Tuned;
+use crate::text::Packed;
 
 /// An answer. Public numbers are read when the answer is written; numbers that a command keeps for itself are part of
 /// the answer.
@@ -59,7 +60,7 @@ pub(in crate::machine) enum Answer<'a> {
     /// The first lines after a reset.
     Start,
     /// A line that is always the same.
-    Line(&'static str),
+    Line(Packed),
     /// Words in the file of the command.
     Says(Says),
     /// Sends an action command (`//action:`) to hosts.

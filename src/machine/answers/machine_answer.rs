@@ -36,9 +36,9 @@ pub(in crate::machine) enum MachineRefusal {
 impl fmt::Display for MachineRefusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Piece(PieceError::Gap(there)) => write!(f, "the next piece belongs at {there}"),
-            Self::Piece(PieceError::NoHex) => f.write_str("HEX needs two hexadecimal digits a byte"),
-            Self::Piece(PieceError::TooLong) => f.write_str("no machine is so long"),
+            Self::Piece(PieceError::Gap(there)) => put!(f, "the next piece belongs at {there}"),
+            Self::Piece(PieceError::NoHex) => put!(f, "HEX needs two hexadecimal digits a byte"),
+            Self::Piece(PieceError::TooLong) => put!(f, "no machine is so long"),
             Self::Record(why) => why.fmt(f),
             Self::Connectors(error) => error.fmt(f),
             Self::Storage(error) => error.fmt(f),

@@ -7,7 +7,7 @@
 use crate::machine::hosts::serving::Hosts;
 use crate::port::Serial;
 use crate::protocol::{NoRoom, Replies};
-use core::fmt;
+use crate::text::Text;
 
 /// Writes a part into the replies of a host.
 type Part<'w> = dyn Fn(&mut Replies) -> Result<(), NoRoom> + 'w;
@@ -51,29 +51,29 @@ impl<'s> Speaker<'s> {
     /// Says a setting as the line that sets it. Alone, and for M503 S0, it stands without `echo:`, as in Marlin
     /// (gcode.h, `report_echo_start`): a BTT TFT takes no other.
     #[inline(never)]
-    pub fn setting(&mut self, line: fmt::Arguments<'_>) {
+    pub fn setting(&mut self, line: Text<'_>) {
         let echo = if self.is_echo { "echo:" } else { "" };
-        self.say(format_args!("{echo}  {line}"));
+        self.say(text!("{echo}  {line}"));
     }
 
     /// Writes a value that no line sets, as a comment of M503.
     #[inline(never)]
-    pub fn remark(&mut self, text: fmt::Arguments<'_>) {
+    pub fn remark(&mut self, text: Text<'_>) {
         if self.is_echo {
-            self.say(format_args!("echo:; {text}"));
+            self.say(text!("echo:; {text}"));
         }
     }
 
     /// Says a setting as the line that sets it, a line of another kind than G and a number. A BTT TFT would show it to
     /// the user as trouble, so it is a remark where settings are said with `echo:`.
-    pub fn named_setting(&mut self, line: fmt::Arguments<'_>) {
+    pub fn named_setting(&mut self, line: Text<'_>) {
         if self.is_echo { self.remark(line) } else { self.setting(line) }
     }
 
     /// Sends one line. Inlined, it would be repeated in fifty places.
     #[inline(never)]
-    pub fn say(&mut self, line: fmt::Arguments<'_>) {
-        self.put(&|replies| replies.line(line));
+    pub fn say(&mut self, line: Text<'_>) {
+        self.put(&|replies| replies.line(format_args!("{line}")));
     }
 
     /// Says a part, unless that has been said, or something before it could not be.

@@ -31,14 +31,16 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
             match which {
                 Forgets::Kept => Answer::Mesh(forget_kept_mesh(main_loop).await?),
                 Forgets::PresentThenKept if was_there => {
-                    Answer::Line("echo:mesh forgotten, and by M500 the stored one too")
+                    Answer::Line(packed!("echo:mesh forgotten, and by M500 the stored one too"))
                 }
                 Forgets::Present | Forgets::PresentThenKept => Answer::Nothing,
             }
         }
-        BedCommand::CleanNozzle => Answer::Line("echo:G29 P9 ignored: this firmware does not clean the nozzle"),
+        BedCommand::CleanNozzle => {
+            Answer::Line(packed!("echo:G29 P9 ignored: this firmware does not clean the nozzle"))
+        }
         BedCommand::Tilt => {
-            Answer::Line("echo:G29 J ignored: this firmware does not tilt a mesh. G29 measures it again")
+            Answer::Line(packed!("echo:G29 J ignored: this firmware does not tilt a mesh. G29 measures it again"))
         }
         BedCommand::Levelling(ref words) => return apart(pin!(level(main_loop, states, words))).await,
         BedCommand::Report => report(main_loop, MeshForm::Grid),

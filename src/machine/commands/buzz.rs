@@ -82,7 +82,7 @@ pub(super) async fn buzz<P: PortSet, W: Pend>(
     free: Option<MotorName>,
 ) -> Result<Answer<'static>, Interrupt> {
     if main_loop.job.is_under_way() {
-        return Ok(Answer::Line("echo:STEPPER_BUZZ ignored: a print is under way"));
+        return Ok(Answer::Line(packed!("echo:STEPPER_BUZZ ignored: a print is under way")));
     }
     main_loop.finish().await?;
     let s: &Settings = &main_loop.settings;

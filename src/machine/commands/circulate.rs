@@ -26,7 +26,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
             return Ok(Answer::Malformed(Flaw::NoAxis(b'C')));
         }
         if to.z.is_some() || to.e.is_some() {
-            return Ok(Answer::Line("echo:line ignored: C goes with X, Y and F alone"));
+            return Ok(Answer::Line(packed!("echo:line ignored: C goes with X, Y and F alone")));
         }
         // Z stands still meanwhile, at whatever height.
         leave_surface(self.main_loop).await?;

@@ -47,7 +47,7 @@ pub(super) async fn tell_of_cold<P: PortSet, W: Pend>(
     notices: &mut Notices,
 ) -> Result<(), Interrupt> {
     if notices.give(Notice::Cold) {
-        main_loop.reply(Answer::Line("echo: cold extrusion prevented")).await?;
+        main_loop.reply(Answer::Line(packed!("echo: cold extrusion prevented"))).await?;
     }
     Ok(())
 }

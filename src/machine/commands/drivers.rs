@@ -62,7 +62,7 @@ pub(in crate::machine) fn set_drivers<P: PortSet, W: Pend>(
         return if notices.give_absent(absent.key()) { Answer::NoDriver(code, driver) } else { Answer::Nothing };
     }
     if main_loop.power.uarts().is_empty() {
-        return Answer::Line("echo:drivers are set by their jumpers");
+        return Answer::Line(packed!("echo:drivers are set by their jumpers"));
     }
     if is_report {
         return Answer::says(say_all, value as i32);
@@ -112,7 +112,7 @@ fn say_own(to: &mut Speaker<'_>, facts: &Facts<'_>) {
 
 fn say_one_belt(to: &mut Speaker<'_>, facts: &Facts<'_>) {
     let code = DriverValue::of(facts.number).code();
-    to.say(format_args!("echo:{code} ignored: X and Y move one belt and need the same value"));
+    to.say(text!("echo:{code} ignored: X and Y move one belt and need the same value"));
 }
 
 /// Changes a value of a single motor if it is legal; 0 is the value of its group.

@@ -48,15 +48,15 @@ pub(in crate::machine) async fn set_fan<P: PortSet, W: Pend>(
 
 /// Something else decides on it.
 fn say_not_commanded(to: &mut Speaker<'_>, facts: &Facts<'_>) {
-    to.say(format_args!("echo:fan {} is not commanded", facts.number));
+    to.say(text!("echo:fan {} is not commanded", facts.number));
 }
 
 fn say_no_fan(to: &mut Speaker<'_>, facts: &Facts<'_>) {
     // P is read into a byte, so this one stands for every greater number, too.
     if facts.number == i32::from(u8::MAX) {
-        to.say(format_args!("echo:M106 ignored: there is no fan of that number"));
+        to.say(text!("echo:M106 ignored: there is no fan of that number"));
     } else {
-        to.say(format_args!("echo:M106 ignored: there is no fan {}", facts.number));
+        to.say(text!("echo:M106 ignored: there is no fan {}", facts.number));
     }
 }
 

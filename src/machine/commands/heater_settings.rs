@@ -67,15 +67,15 @@ pub(in crate::machine) fn set_model(
         return Answer::Nothing;
     }
     if !is_plausible {
-        return Answer::Line(
-            "echo:M306 ignored: this model does not fit this power, set P, C, A, F, R and L in one line",
-        );
+        return Answer::Line(packed!(
+            "echo:M306 ignored: this model does not fit this power, set P, C, A, F, R and L in one line"
+        ));
     }
     *thermal = wanted;
     if is_named {
         Answer::Nothing
     } else {
-        Answer::Line("echo:M306 without E is the hotend's (E0); E-1 is the bed, E-2 the chamber")
+        Answer::Line(packed!("echo:M306 without E is the hotend's (E0); E-1 is the bed, E-2 the chamber"))
     }
 }
 

@@ -157,7 +157,9 @@ fn missing<P: PortSet, W: Pend>(
             let notice = if heater == Heater::Bed { Notice::NoBed } else { Notice::NoHotend };
             if notices.give(notice) { Answer::says(say_no_heater, heater as i32) } else { Answer::Nothing }
         }
-        Heater::Hotend | Heater::Bed if notices.give(Notice::NoHeaters) => Answer::Line("echo:no heaters configured"),
+        Heater::Hotend | Heater::Bed if notices.give(Notice::NoHeaters) => {
+            Answer::Line(packed!("echo:no heaters configured"))
+        }
         Heater::Hotend | Heater::Bed => Answer::Nothing,
     })
 }
@@ -368,7 +370,7 @@ pub(in crate::machine) async fn heat_again<P: PortSet, W: Pend>(
         awaited[heater as usize] = measured[heater as usize] < Some(target.saturating_sub(NEAR));
     }
     if is_new {
-        main_loop.reply(Answer::Line("echo:Heating again")).await?;
+        main_loop.reply(Answer::Line(packed!("echo:Heating again"))).await?;
         main_loop.heat.note_used(main_loop.now());
         main_loop.heat.send_orders(&main_loop.settings.thermal);
     }
@@ -379,15 +381,12 @@ pub(in crate::machine) async fn heat_again<P: PortSet, W: Pend>(
 
 /// A heater that a command is for is not fitted, but others are.
 fn say_no_heater(to: &mut Speaker<'_>, facts: &Facts<'_>) {
-    to.say(format_args!("echo:no {} configured, ignored", facts.heater()));
+    to.say(text!("echo:no {} configured, ignored", facts.heater()));
 }
 
 /// A heater that is waited for does not get warmer.
 fn say_no_rise(to: &mut Speaker<'_>, facts: &Facts<'_>) {
-    to.say(format_args!(
-        "echo:{} does not get warmer; the print ends if this continues. M108 ends this wait",
-        facts.heater()
-    ));
+    to.say(text!("echo:{} does not get warmer; the print ends if this continues. M108 ends this wait", facts.heater()));
 }
 
 /// The heater that a command for its behaviour means, if it is fitted.
@@ -397,10 +396,10 @@ pub(in crate::machine) fn model_of(
     heater: Option<Heater>,
 ) -> Result<Heater, Answer<'static>> {
     match heater {
-        None => Err(Answer::Line("echo:line ignored: E is 0 (hotend), -1 (bed) or -2 (chamber)")),
+        None => Err(Answer::Line(packed!("echo:line ignored: E is 0 (hotend), -1 (bed) or -2 (chamber)"))),
         Some(heater) if thermal.heater(heater).is_fitted => Ok(heater),
         Some(heater) if thermal.has_heater() => Err(Answer::says(say_no_heater, heater as i32)),
-        Some(_) => Err(Answer::Line("echo:no heaters configured, ignored")),
+        Some(_) => Err(Answer::Line(packed!("echo:no heaters configured, ignored"))),
     }
 }
 

@@ -18,18 +18,19 @@ use crate::machine::state::modal::Modal;
 use crate::port::Pend;
 use crate::protocol::Action;
 use crate::settings::OnFailure;
+use crate::text::Packed;
 use crate::units::Celsius;
 
 /// Sent once to the host of a print that the firmware ended.
 const ENDED: Answer<'static> =
-    Answer::Line("echo:the print was ended: moves and heating are ignored until G28, M108 or M110");
+    Answer::Line(packed!("echo:the print was ended: moves and heating are ignored until G28, M108 or M110"));
 
 /// The same if a condition has ended it.
 const ENDED_BY_CONDITION: Answer<'static> =
-    Answer::Line("echo:the print was ended: its lines are ignored until M108 or M110");
+    Answer::Line(packed!("echo:the print was ended: its lines are ignored until M108 or M110"));
 
 /// Said when homing or probing fails in a pause: the print can wait for its cure.
-const STAYS_PAUSED: &str = "The print stays paused: home again (G28), then continue it";
+const STAYS_PAUSED: Packed = packed!("The print stays paused: home again (G28), then continue it");
 
 /// Hosts are asked to cancel, heaters go off, planned moves are made, and the machine is as before a print. A pause
 /// during which homing or probing fails stays a pause. A refused line ends a print alone: without one, nothing changes.
@@ -41,16 +42,16 @@ pub(in crate::machine) async fn end_job<P: PortSet, W: Pend>(
 ) -> Result<Answer<'static>, Interrupt> {
     let can_be_mended = matches!(why, JobEnd::NotHomed { .. } | JobEnd::ProbeFailed { .. } | JobEnd::NotLevel(_));
     if can_be_mended && main_loop.job.is_paused() {
-        main_loop.hosts.notify_all(format_args!("echo:{why}. {STAYS_PAUSED}"));
+        main_loop.hosts.notify_all(text!("echo:{why}. {STAYS_PAUSED}"));
         return Ok(Answer::Nothing);
     }
     if why.is_refusal() && !main_loop.job.is_under_way() && main_loop.hosts.window().0.is_none() {
-        main_loop.hosts.notify_all(format_args!("echo:{why}"));
+        main_loop.hosts.notify_all(text!("echo:{why}"));
         return Ok(Answer::Nothing);
     }
     let settings = main_loop.settings.job;
     if can_be_mended && settings.on_failure == OnFailure::Pause && main_loop.job.is_printing() {
-        main_loop.hosts.notify_all(format_args!("echo:{why}"));
+        main_loop.hosts.notify_all(text!("echo:{why}"));
         return hold(main_loop, modal, Kept::Failed).await;
     }
     main_loop.pauses.end_command();
@@ -67,13 +68,13 @@ pub(in crate::machine) async fn end_job<P: PortSet, W: Pend>(
     let is_print = !is_wanted || main_loop.job.is_under_way() || is_command;
     if is_wanted && (has_heat || !main_loop.job.is_ended()) {
         let what = if is_print { "print " } else { "" };
-        main_loop.hosts.notify_all(format_args!("echo:{what}cancelled, heaters are off"));
+        main_loop.hosts.notify_all(text!("echo:{what}cancelled, heaters are off"));
     }
     if is_print {
         main_loop.job.end_early(why);
         if !is_wanted {
             let heat = if keeps_heat { "stay on" } else { "are off" };
-            main_loop.hosts.notify_all(format_args!("echo:print ended, heaters {heat}: {why}"));
+            main_loop.hosts.notify_all(text!("echo:print ended, heaters {heat}: {why}"));
         }
         announce(main_loop, &[Action::Cancel]).await?;
     }

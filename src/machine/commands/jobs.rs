@@ -39,7 +39,9 @@ pub(super) async fn carry_out<'a, P: PortSet, W: Pend>(
             let object = number.to_thousandths().div_euclid(1000) as i32;
             main_loop.status.print_progress.set_object(object);
         }
-        JobCommand::CancelObject => return Ok(Answer::Line("echo:this firmware cannot leave out objects, ignored")),
+        JobCommand::CancelObject => {
+            return Ok(Answer::Line(packed!("echo:this firmware cannot leave out objects, ignored")));
+        }
         JobCommand::EmergencyStop => return Err(Interrupt::Halt),
         // It has no effect unless the machine is halted.
         JobCommand::Restart => {}

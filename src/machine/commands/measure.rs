@@ -43,7 +43,7 @@ pub(super) async fn measure<P: PortSet, W: Pend>(
         return Ok(Answer::Probe(ProbeAnswer::None));
     }
     if words.only_without && main_loop.settings.mesh.is_on && main_loop.bed.mesh().is_some() {
-        return Ok(Answer::Line("echo:G29 O: a mesh is in use, nothing is measured"));
+        return Ok(Answer::Line(packed!("echo:G29 O: a mesh is in use, nothing is measured")));
     }
     if let Err(answer) = nozzle_for(&main_loop.settings, main_loop.settings.probe_home()) {
         return Ok(Answer::Probe(answer));
@@ -58,7 +58,7 @@ pub(super) async fn measure<P: PortSet, W: Pend>(
     if main_loop.homed.level() == Level::Lost {
         // Screws that turn easily may have turned.
         main_loop
-            .reply(Answer::Line("echo:the motors of z had no power since G34. G34 levels the screws again"))
+            .reply(Answer::Line(packed!("echo:the motors of z had no power since G34. G34 levels the screws again")))
             .await?;
     }
     let whole = whole_area(&main_loop.settings);

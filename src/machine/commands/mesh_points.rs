@@ -73,7 +73,9 @@ pub(super) async fn change_point<P: PortSet, W: Pend>(
             let others = |c, r| if [c, r] == [column, row] { None } else { Some(heights.get(c, r)) };
             Heights::filled(heights.columns(), heights.rows(), others).map(|filled| filled.get(column, row))
         }
-        (None, None) => return Ok(Answer::Line("echo:M421 ignored: Z is the height of the point, Q its change")),
+        (None, None) => {
+            return Ok(Answer::Line(packed!("echo:M421 ignored: Z is the height of the point, Q its change")));
+        }
     };
     let Some(height) = height else { return Ok(Answer::Nothing) };
     heights.set(column, row, height);

@@ -81,7 +81,7 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
 
 /// M220.
 fn say_feed(to: &mut Speaker<'_>, facts: &Facts<'_>) {
-    to.say(format_args!("FR:{}%", facts.number));
+    to.say(text!("FR:{}%", facts.number));
 }
 
 /// G92.

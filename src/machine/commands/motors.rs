@@ -81,7 +81,7 @@ fn tell_of_pause<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) {
     let goes_down = s.homes_z_by_probe() || s.endstops.of(HomedAxis::Z).end == AxisEnd::Min;
     let is_risky = goes_down && main_loop.homed.lacks_one_of([false, false, true]);
     let risk = if is_risky { ". Homing Z may hit the part: then end the print" } else { "" };
-    main_loop.hosts.notify_all(format_args!(
+    main_loop.hosts.notify_all(text!(
         "echo:the print stays paused. To go on, home the axes (G28) and send M24; M524 ends it{risk}"
     ));
 }

@@ -242,7 +242,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         }
         if self.notices.give(Notice::MotionBeforeHoming) {
             self.main_loop
-                .reply(Answer::Line("echo:motion before homing (G28): the ends of the axes are unknown"))
+                .reply(Answer::Line(packed!("echo:motion before homing (G28): the ends of the axes are unknown")))
                 .await?;
         }
         Ok(true)
@@ -261,7 +261,9 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
             return Ok(false);
         }
         if self.notices.give(Notice::NotAligned) {
-            self.main_loop.reply(Answer::Line("echo:printing with belt motors that are not aligned (M915)")).await?;
+            self.main_loop
+                .reply(Answer::Line(packed!("echo:printing with belt motors that are not aligned (M915)")))
+                .await?;
         }
         Ok(true)
     }
@@ -295,10 +297,10 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
     pub(super) async fn tell_of_edge(&mut self) -> Result<(), Interrupt> {
         if self.notices.give(Notice::Edge) {
             self.main_loop
-                .reply(Answer::Line(
+                .reply(Answer::Line(packed!(
                     "echo:target out of reach, moved to the edge of the reachable \
-                space",
-                ))
+                space"
+                )))
                 .await?;
         }
         Ok(())
@@ -423,5 +425,5 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
 
 fn say_too_much(to: &mut Speaker<'_>, facts: &Facts<'_>) {
     let most = facts.settings.axes.e.length.to_num::<i32>();
-    to.say(format_args!("echo:E left out: more than {most} mm of filament in one move"));
+    to.say(text!("echo:E left out: more than {most} mm of filament in one move"));
 }

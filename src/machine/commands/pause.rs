@@ -32,6 +32,7 @@ use crate::motion::Target;
 use crate::port::{EndstopSet, Pend};
 use crate::protocol::Action;
 use crate::settings::HomedAxis;
+use crate::text::Packed;
 use crate::units::{Celsius, Instant, Mm, MmPerSec};
 use core::pin::pin;
 
@@ -52,7 +53,7 @@ const FAILED: &str = "Mend what failed to go on";
 const LOST: &str = "Home the axes to go on";
 
 /// Said when a line or M24 finds axes that have lost their place.
-const HELD_UNTIL_HOMED: &str = "echo:print held: axes are no longer homed. Home them (G28), then send M24";
+const HELD_UNTIL_HOMED: Packed = packed!("echo:print held: axes are no longer homed. Home them (G28), then send M24");
 
 /// The result of continuing a print.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -111,7 +112,7 @@ pub(in crate::machine) async fn await_user<P: PortSet, W: Pend>(
     words: &ParkWords,
 ) -> Result<Answer<'static>, Interrupt> {
     if main_loop.job.line().kept().is_some() {
-        return Ok(Answer::Line("echo:ignored, the print is paused already: send M24 or M108 first"));
+        return Ok(Answer::Line(packed!("echo:ignored, the print is paused already: send M24 or M108 first")));
     }
     main_loop.finish().await?;
     ask(main_loop, Action::Paused, if filament { FILAMENT } else { PAUSED }).await?;
@@ -164,11 +165,13 @@ async fn report_reason<P: PortSet, W: Pend>(
 ) -> Result<(), Interrupt> {
     let (line, question) = match why {
         Kept::Lost(axes) if !main_loop.homed.lacks_one_of(axes) => {
-            ("echo:print held: its motors were off. M24 goes on with it, M524 ends it", LOST)
+            (packed!("echo:print held: its motors were off. M24 goes on with it, M524 ends it"), LOST)
         }
         Kept::Lost(_) => (HELD_UNTIL_HOMED, LOST),
-        Kept::Failed => ("echo:print held: mend what failed, then send M24 to try the line again", FAILED),
-        Kept::Cold | Kept::User(_) => ("echo:print held: the hotend is too cold. Heat it, then send M24", COLD),
+        Kept::Failed => (packed!("echo:print held: mend what failed, then send M24 to try the line again"), FAILED),
+        Kept::Cold | Kept::User(_) => {
+            (packed!("echo:print held: the hotend is too cold. Heat it, then send M24"), COLD)
+        }
     };
     main_loop.hosts.notify_others(format_args!("{line}"));
     main_loop.reply(Answer::Line(line)).await?;
@@ -233,7 +236,7 @@ async fn change<P: PortSet, W: Pend>(
         return Ok(());
     }
     if cold.is_too_cold(main_loop) {
-        return main_loop.reply(Answer::Line("echo:filament is not moved: the hotend is too cold")).await;
+        return main_loop.reply(Answer::Line(packed!("echo:filament is not moved: the hotend is too cold"))).await;
     }
     let most = main_loop.settings.axes.e.length;
     let mut to = main_loop.commanded.position();
@@ -466,7 +469,7 @@ pub(in crate::machine) async fn end_keeping<P: PortSet, W: Pend>(
         Going::Not(_) => {
             announce(main_loop, &[Action::PromptEnd]).await?;
             main_loop
-                .reply(Answer::Line("echo:line left out, the print is still paused: see above, then send M24"))
+                .reply(Answer::Line(packed!("echo:line left out, the print is still paused: see above, then send M24")))
                 .await?;
             Ok(Some(false))
         }

@@ -134,7 +134,7 @@ fn order_servo<P: PortSet, W: Pend>(
     order: Option<Number>,
 ) -> Answer<'static> {
     if main_loop.settings.probe.kind != ProbeKind::BlTouch || servo.is_some_and(|servo| servo != Number::ZERO) {
-        return Answer::Line("echo:M280 ignored: the only servo is P0, of a BLTouch");
+        return Answer::Line(packed!("echo:M280 ignored: the only servo is P0, of a BLTouch"));
     }
     let Some(order) = order else {
         let angle = |micros: u16| ((u32::from(micros - SHORTEST) * 180 + 928) / u32::from(HALF_TURN)) as u16;
@@ -159,7 +159,9 @@ pub(super) async fn tell_of_home_offsets<P: PortSet, W: Pend>(
     if [x, y] == [Mm::ZERO; 2] {
         return Ok(());
     }
-    main_loop.reply(Answer::Line("echo:places of the probe are the machine's: M206 does not count in X and Y")).await
+    main_loop
+        .reply(Answer::Line(packed!("echo:places of the probe are the machine's: M206 does not count in X and Y")))
+        .await
 }
 
 /// Why a place is not touched.

@@ -129,16 +129,16 @@ pub(super) async fn level_screws<P: PortSet, W: Pend>(
         return Ok(Answer::NotHomed);
     }
     if screws.motors.len() < 2 {
-        return Ok(Answer::Line("echo:G34 ignored: a single motor moves z"));
+        return Ok(Answer::Line(packed!("echo:G34 ignored: a single motor moves z")));
     }
     if !main_loop.settings.screws.iter().take(screws.motors.len()).all(|screw| screw.is_known()) {
-        return Ok(Answer::Line("echo:G34 ignored: a screw or its point has no place. Set them by M422"));
+        return Ok(Answer::Line(packed!("echo:G34 ignored: a screw or its point has no place. Set them by M422")));
     }
     // With any heights: whether there is a fit depends on the places alone. So it is refused before a move.
     if screws.find(&[0.0; SCREWS][..screws.points.len()]).is_err() {
-        return Ok(Answer::Line(
-            "echo:G34 ignored: its points do not show a tilt between the screws. Place them by M422",
-        ));
+        return Ok(Answer::Line(packed!(
+            "echo:G34 ignored: its points do not show a tilt between the screws. Place them by M422"
+        )));
     }
     // All of them before the first touch, so that the tool does not stop half-way.
     for point in &screws.points {
@@ -235,7 +235,7 @@ pub(super) async fn tell_hand_screws<P: PortSet, W: Pend>(
     let thread = thread.map_or(THREAD, |thread| thread.to_int());
     let known = THREADS.into_iter().find(|(size, _)| *size == thread / 10).filter(|_| matches!(thread % 10, 0 | 1));
     let Some((_, pitch)) = known else {
-        return Ok(Answer::Line("echo:G35 ignored: S is 30, 31, 40, 41, 50 or 51"));
+        return Ok(Answer::Line(packed!("echo:G35 ignored: S is 30, 31, 40, 41, 50 or 51")));
     };
     if !has_probe(main_loop) {
         return Ok(Answer::Probe(ProbeAnswer::None));
@@ -270,7 +270,7 @@ pub(super) async fn tell_hand_screws<P: PortSet, W: Pend>(
         let is_clockwise = (higher < Mm::ZERO) != is_reversed;
         main_loop.reply(Answer::Screws(ScrewAnswer::Corner { corner, higher, pitch, is_clockwise })).await?;
     }
-    Ok(Answer::Line("echo:Turn the screws, then send G35 again"))
+    Ok(Answer::Line(packed!("echo:Turn the screws, then send G35 again")))
 }
 
 #[cfg(test)]

@@ -16,7 +16,7 @@ pub(in crate::machine) async fn test_heaters<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<Answer<'static>, Interrupt> {
     if !main_loop.settings.thermal.has_heater() {
-        return Ok(Answer::Line("echo:no heaters configured, ignored"));
+        return Ok(Answer::Line(packed!("echo:no heaters configured, ignored")));
     }
     main_loop.finish().await?;
     let image = main_loop.storage.image();
@@ -24,7 +24,7 @@ pub(in crate::machine) async fn test_heaters<P: PortSet, W: Pend>(
     main_loop.pauses.begin(Waiting::SelfTest);
     let is_early = await_self_test(main_loop).await?;
     main_loop.pauses.end();
-    Ok(if is_early { Answer::Line("echo:Self-test ended") } else { Answer::Nothing })
+    Ok(if is_early { Answer::Line(packed!("echo:Self-test ended")) } else { Answer::Nothing })
 }
 
 /// Waits for the end of a self-test that is under way. M108, M410 and M524 end both; returns whether M108 has.

@@ -13,6 +13,7 @@ use crate::machine::state::clamps::Clamps;
 use crate::motion::advance_window;
 use crate::port::Pend;
 use crate::settings::{Advance, Settings, Shaper, ShaperKind, Shapers, ranges};
+use crate::text::Packed;
 use crate::units::{Hertz, Ratio};
 
 /// The kind of shaper with that number in M593 T.
@@ -87,8 +88,8 @@ impl ShaperWords {
 }
 
 /// The answer of M593 to an unknown kind.
-const NO_SUCH_KIND: &str =
-    "echo:M593 ignored: T is 0 (ZV), 1 (ZVD), 2 (MZV), 3 (EI) or 4 (2HUMP_EI), or P one of these names";
+const NO_SUCH_KIND: Packed =
+    packed!("echo:M593 ignored: T is 0 (ZV), 1 (ZVD), 2 (MZV), 3 (EI) or 4 (2HUMP_EI), or P one of these names");
 
 /// The advance that M900 K and M572 W want, if they are in range; W0 is the window that suits the shapers.
 fn wanted_advance(time: Option<Number>, window: Option<Number>, s: &Settings, clamps: &mut Clamps) -> Advance {
@@ -128,7 +129,7 @@ pub(in crate::machine) async fn change_shapers<P: PortSet, W: Pend>(
 }
 
 fn say_advance(to: &mut Speaker<'_>, facts: &Facts<'_>) {
-    to.say(format_args!("echo:Advance K={}", shortest(facts.settings.advance.time)));
+    to.say(text!("echo:Advance K={}", shortest(facts.settings.advance.time)));
 }
 
 /// M900, M572.

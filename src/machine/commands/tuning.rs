@@ -14,6 +14,7 @@ use crate::machine::state::waiting::Waiting;
 use crate::port::{Pend, Storage};
 use crate::settings::{HeaterSettings, Pid, Range, ranges};
 use crate::status::{Tuned, Tuning, TuningFailure};
+use crate::text::Packed;
 use crate::units::{Celsius, JoulesPerKelvin, Ratio, Seconds, WattsPerKelvin};
 use core::pin::pin;
 
@@ -40,7 +41,7 @@ pub(in crate::machine) async fn tune<P: PortSet, W: Pend>(
         return Ok(Answer::NoHeat("M303", why));
     }
     if main_loop.heat.believed(heater).is_none() {
-        return Ok(Answer::Line("echo:M303 ignored: there is no reading"));
+        return Ok(Answer::Line(packed!("echo:M303 ignored: there is no reading")));
     }
     let range = Range { least: Celsius::ZERO, most: main_loop.settings.thermal.heater(heater).most };
     // Marlin's defaults (M303.cpp); the chamber gets the bed's.
@@ -49,10 +50,10 @@ pub(in crate::machine) async fn tune<P: PortSet, W: Pend>(
     let cycles = cycles.map_or(Some(CYCLES), |cycles| clamps.whole_of(["M303", "C"], cycles, CYCLE_RANGE, None));
     let (Some(target), Some(cycles)) = (target, cycles) else { return Ok(Answer::Nothing) };
     if target < LEAST_TARGET {
-        return Ok(Answer::Line("echo:M303 ignored: S is the temperature to tune at, 40 or more"));
+        return Ok(Answer::Line(packed!("echo:M303 ignored: S is the temperature to tune at, 40 or more")));
     }
     main_loop.finish().await?;
-    main_loop.reply(Answer::Line("PID Autotune start")).await?;
+    main_loop.reply(Answer::Line(packed!("PID Autotune start"))).await?;
     main_loop.pauses.begin(Waiting::Tuning);
     let image = main_loop.storage.image();
     main_loop.heat.test_before_heating(&main_loop.settings.thermal, image);
@@ -71,24 +72,28 @@ pub(in crate::machine) async fn tune<P: PortSet, W: Pend>(
         apply(&tuned, main_loop.heat_settings().heater_mut(heater));
     }
     main_loop.reply(Answer::Tuned(heater, tuned)).await?;
-    Ok(if applies { Answer::Nothing } else { Answer::Line("echo:settings are unchanged; M303 U1 uses the result") })
+    Ok(if applies {
+        Answer::Nothing
+    } else {
+        Answer::Line(packed!("echo:settings are unchanged; M303 U1 uses the result"))
+    })
 }
 
 /// Why a tuning failed, and how to continue. Hosts look for Marlin's words.
-const fn way_out(failure: Option<TuningFailure>) -> &'static str {
+const fn way_out(failure: Option<TuningFailure>) -> Packed {
     match failure {
-        None => "PID Autotune failed! It was ended",
+        None => packed!("PID Autotune failed! It was ended"),
         Some(TuningFailure::StaysHot) => {
-            "PID Autotune failed! It does not cool down: switch off what warms it, or give a higher S"
+            packed!("PID Autotune failed! It does not cool down: switch off what warms it, or give a higher S")
         }
         Some(TuningFailure::OutOfReach) => {
-            "PID Autotune failed! Full power does not reach S: give a lower one, or check heater and supply"
+            packed!("PID Autotune failed! Full power does not reach S: give a lower one, or check heater and supply")
         }
         Some(TuningFailure::NoSwing) => {
-            "PID Autotune failed! The temperature does not swing: check how the sensor sits, or give another S"
+            packed!("PID Autotune failed! The temperature does not swing: check how the sensor sits, or give another S")
         }
         Some(TuningFailure::Impossible) => {
-            "PID Autotune failed! No heater is like that: set its power (M306 P), check how the sensor sits"
+            packed!("PID Autotune failed! No heater is like that: set its power (M306 P), check how the sensor sits")
         }
     }
 }
@@ -117,7 +122,7 @@ async fn await_tuning<P: PortSet, W: Pend>(
                 Tuning::Cooling => {
                     if !core::mem::replace(&mut is_cooling, true) {
                         main_loop
-                            .reply(Answer::Line("echo:too hot to begin, it cools first; M108 ends this wait"))
+                            .reply(Answer::Line(packed!("echo:too hot to begin, it cools first; M108 ends this wait")))
                             .await?;
                     }
                 }

@@ -19,10 +19,12 @@ use crate::units::Mm;
 const MOST: Range<Mm> = Range { least: Mm::const_from_int(-2), most: Mm::const_from_int(2) };
 
 /// Where the kept offset would be too large.
-const TOO_FAR: Answer<'static> = Answer::Line("echo:ignored: the offset of Z would be out of range (-5 to 5 mm)");
+const TOO_FAR: Answer<'static> =
+    Answer::Line(packed!("echo:ignored: the offset of Z would be out of range (-5 to 5 mm)"));
 
 /// Where it, and what an order has let stand or homing takes back, would be.
-const TOO_FAR_ASIDE: Answer<'static> = Answer::Line("echo:ignored: the shifts of Z since homing would exceed 5 mm");
+const TOO_FAR_ASIDE: Answer<'static> =
+    Answer::Line(packed!("echo:ignored: the shifts of Z since homing would exceed 5 mm"));
 
 /// Whether an offset, changed by so much, is in the range of the setting that keeps it.
 fn may_be_kept(s: &Settings, store: ZStore, by: Mm) -> bool {
@@ -89,7 +91,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         let [.., is_homed] = self.main_loop.homed.axes();
         let [_, _, end, _] = self.main_loop.motion.end_mm();
         if is_homed && self.main_loop.settings.soft_endstops && end.saturating_add(by) > z_reach(self.main_loop).most {
-            return Ok(Answer::Line("echo:ignored: Z would leave its axis"));
+            return Ok(Answer::Line(packed!("echo:ignored: Z would leave its axis")));
         }
         let motors = self.main_loop.motion.groups().mechanism().motors_of(2);
         if !self.main_loop.power.is_on(motors) {

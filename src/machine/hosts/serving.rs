@@ -247,9 +247,9 @@ impl<S: Serial> Hosts<S> {
     }
 
     /// Says the same line to all; one that has no room for it misses it.
-    pub(in crate::machine) fn notify_all(&mut self, line: fmt::Arguments<'_>) {
+    pub(in crate::machine) fn notify_all(&mut self, line: crate::text::Text<'_>) {
         for host in &mut self.hosts {
-            let _ = host.replies.line(line);
+            let _ = host.replies.line(format_args!("{line}"));
         }
     }
 

@@ -18,9 +18,10 @@ use crate::machine::numbers::shortest;
 use crate::machine::ports::PortSet;
 use crate::port::{LINES, Pend};
 use crate::protocol::{Activity, NoRoom, Replies};
+use crate::text::Packed;
 
 /// The greeting of a host. Not "start", which would be a reset (OctoPrint, comm.py).
-const GREETING: &str = "echo:Printer halted. Send M999 or reset";
+const GREETING: Packed = packed!("echo:Printer halted. Send M999 or reset");
 
 /// M113: the time between two busy messages.
 const KEEPALIVE: u16 = 113;
@@ -96,9 +97,9 @@ pub(in crate::machine) async fn stay_halted<P: PortSet, W: Pend>(
     if let Some(parked) = main_loop.limping.outcome() {
         match parked {
             Some(raised) => {
-                main_loop.hosts.notify_all(format_args!("echo:tool parked, z raised by {} mm", shortest(raised)));
+                main_loop.hosts.notify_all(text!("echo:tool parked, z raised by {} mm", shortest(raised)));
             }
-            None => main_loop.hosts.notify_all(format_args!("echo:the tool was not parked")),
+            None => main_loop.hosts.notify_all(text!("echo:the tool was not parked")),
         }
     }
     // The message answers the lines that have come so far, that of M112 and a kept one included.

@@ -34,10 +34,10 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.heat.send_orders(&self.settings.thermal);
         self.follow_self_test();
         if let Some(fault) = self.heat.follow_refusals(&self.settings.thermal) {
-            self.hosts.notify_all(format_args!("echo:heating is refused, {fault}"));
+            self.hosts.notify_all(text!("echo:heating is refused, {fault}"));
         }
         if let Some(fan) = self.heat.follow_still_fans() {
-            self.hosts.notify_all(format_args!("echo:fan{fan} stands still: free it, or plug it in"));
+            self.hosts.notify_all(text!("echo:fan{fan} stands still: free it, or plug it in"));
         }
         if self.settings.thermal.heater(Heater::Hotend).is_fitted {
             self.report_filament(now);
@@ -57,7 +57,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         if self.job.is_under_way() {
             self.job.remember_targets(targets);
         }
-        self.hosts.notify_all(format_args!("echo:Heaters off after {minutes} minutes without use"));
+        self.hosts.notify_all(text!("echo:Heaters off after {minutes} minutes without use"));
     }
 
     /// Reports the heat that the filament takes from the hotend.
@@ -73,9 +73,9 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     fn follow_self_test(&mut self) {
         let Some(end) = self.heat.follow_self_test() else { return };
         self.hosts.notify_all(match end {
-            SelfTest::Passed => format_args!("echo:Self-test passed: each heater warms its own sensor"),
+            SelfTest::Passed => text!("echo:Self-test passed: each heater warms its own sensor"),
             SelfTest::PutOff => {
-                format_args!(
+                text!(
                     "echo:Heaters are not tested since the update, for one is warm or has no reading that can be \
                      right. Heating goes on, watched by all guards; the self-test comes before the first heating \
                      from the cold, or with SELF_TEST"

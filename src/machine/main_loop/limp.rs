@@ -74,7 +74,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.limping.begin(self.now().after_ms(MOST_MS), faults.more());
         self.homed.release(MotorSet::of(motor), self.motion.groups().mechanism());
         self.trimming.forget();
-        self.hosts.notify_all(format_args!("echo:{fault}; motor {name} is off, the others park the tool"));
+        self.hosts.notify_all(text!("echo:{fault}; motor {name} is off, the others park the tool"));
     }
 
     /// Whether the tool can be parked without this motor.

@@ -146,7 +146,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             Some(News::Stopped(fault)) => self.meet_driver_fault(fault),
             Some(News::Hot(motor)) => {
                 let name = self.settings.name_of(motor);
-                self.hosts.notify_all(format_args!(
+                self.hosts.notify_all(text!(
                     "echo:driver of motor {name} is hot and will switch itself off if it gets hotter"
                 ));
             }

@@ -97,7 +97,7 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
     fn reply_answer(&mut self, answer: &Answer<'_>) {
         if let Answer::Position { real } = *answer {
             let position = self.position(real);
-            return Speaker::new(&mut self.progress, &mut self.hosts).say(format_args!("{position}"));
+            return Speaker::new(&mut self.progress, &mut self.hosts).say(text!("{position}"));
         }
         if let Answer::Says(says) = answer {
             let to = &mut Speaker::new(&mut self.progress, &mut self.hosts);
@@ -118,32 +118,35 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             Answer::Unknown(text) => to.put(&|replies| replies.unknown(text)),
             Answer::Malformed(flaw) => report_malformed(to, flaw),
             Answer::NotObeyed(command, word) => {
-                to.say(format_args!("echo:{command} {} is not supported by this firmware", Echo(word)));
+                to.say(text!("echo:{command} {} is not supported by this firmware", Echo(word)));
             }
-            Answer::Clamp(clamp) => to.say(format_args!("echo:{clamp}")),
-            Answer::NotHomed => to.say(format_args!("echo:move ignored: home its axes first (G28)")),
+            Answer::Clamp(clamp) => to.say(text!("echo:{clamp}")),
+            Answer::NotHomed => to.say(text!("echo:move ignored: home its axes first (G28)")),
             Answer::ZOffset => report_z_offset(to, motion.shifted_z(), s, first_layer.are_stored(s)),
-            Answer::Temperatures => to.say(format_args!("ok {temperatures}")),
-            Answer::Heating(None) => to.say(format_args!(" {temperatures} W:?")),
-            Answer::Heating(Some(missing)) => to.say(format_args!(" {temperatures} W:{missing}")),
-            Answer::NoHeat(code, fault) => to.say(format_args!("echo:{code} ignored: {fault}")),
+            Answer::Temperatures => to.say(text!("ok {temperatures}")),
+            Answer::Heating(None) => to.say(text!(" {temperatures} W:?")),
+            Answer::Heating(Some(missing)) => to.say(text!(" {temperatures} W:{missing}")),
+            Answer::NoHeat(code, fault) => to.say(text!("echo:{code} ignored: {fault}")),
             Answer::HeatSetting(setting) => report_heat_setting(to, setting, &s.thermal),
-            Answer::TuningCycle(heater, done) => to.say(format_args!("echo:{}: {done} cycles done", heater.name())),
+            Answer::TuningCycle(heater, done) => to.say(text!("echo:{}: {done} cycles done", heater.name())),
             Answer::Tuned(heater, tuned) => report_tuned(to, heater, &tuned),
             Answer::Start => {
                 to.put(&Replies::start);
-                to.say(format_args!("echo:corehbot {}", env!("CARGO_PKG_VERSION")));
+                to.say(text!("echo:corehbot {}", env!("CARGO_PKG_VERSION")));
             }
-            Answer::Line(line) => to.say(format_args!("{line}")),
-            Answer::Action(action) => to.say(format_args!("{action}")),
-            Answer::Message(form, text) => to.say(format_args!("{}", Message { form, text })),
+            Answer::Line(line) => to.say(text!("{line}")),
+            Answer::Action(action) => to.say(text!("{action}")),
+            Answer::Message(form, text) => {
+                // Not as a text: what a host said is not unpacked.
+                to.put(&|replies| replies.line(format_args!("{}", Message { form, text })));
+            }
             // Marlin's words (language.h, STR_SD_OPEN_FILE_FAIL).
             Answer::NoCard(name) => {
                 let name = Echo(name);
-                to.say(format_args!("echo:open failed, File: {name}. There is no card; lines up to M29 are ignored"));
+                to.say(text!("echo:open failed, File: {name}. There is no card; lines up to M29 are ignored"));
             }
             Answer::UploadEnded(lines) => {
-                to.say(format_args!("echo:upload ended: there is no card, ignored lines: {lines}"));
+                to.say(text!("echo:upload ended: there is no card, ignored lines: {lines}"));
             }
             Answer::Firmware => report_firmware(to, is_present(storage), status.inputs(), s),
             Answer::Endstops(pressed) => {
@@ -153,14 +156,14 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             Answer::Overload => {
                 report_overload(to, status.overload());
                 if let Some(warning) = power.warning() {
-                    to.say(format_args!("echo:{warning}"));
+                    to.say(text!("echo:{warning}"));
                 }
             }
             Answer::Machine(answer) => report_machine(to, &answer),
             // Marlin's words, which are no line of M503 (M113.cpp).
-            Answer::Setting(Setting::Plain(113)) => to.say(format_args!("echo:M113 S{}", s.keepalive_s)),
+            Answer::Setting(Setting::Plain(113)) => to.say(text!("echo:M113 S{}", s.keepalive_s)),
             Answer::Setting(setting) => report_setting(to, setting, s),
-            Answer::Words(words) => to.setting(format_args!("{words}")),
+            Answer::Words(words) => to.setting(text!("{words}")),
             Answer::Settings { retraction, for_replay } => {
                 if !for_replay {
                     to.echo_settings();
@@ -169,10 +172,10 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             }
             Answer::NoDriver(code, number) => {
                 let driver = Part::Driver.name();
-                to.say(format_args!("echo:{code} ignored: there is no {driver} {number}"));
+                to.say(text!("echo:{code} ignored: there is no {driver} {number}"));
             }
             Answer::SharedMotors(axes) => {
-                to.say(format_args!("echo:M92 ignored: {axes} share motors and need the same value"));
+                to.say(text!("echo:M92 ignored: {axes} share motors and need the same value"));
             }
             Answer::Driver(motor, reading) => report_driver(to, (motor, reading), power.drivers(), s),
             Answer::Belt(answer) => report_belt(to, &answer, trimming, s),
@@ -182,9 +185,9 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             Answer::Resonance(answer) => report_resonance(to, &answer),
             Answer::Screws(answer) => report_screws(to, &answer),
             Answer::Storage(news) => report_storage(to, &news),
-            Answer::Refused(why) => to.say(format_args!("Error:{why}; no motor got power")),
-            Answer::NoMachine(why) => to.say(format_args!("echo:{why}; no motor gets power")),
-            Answer::NoPower(fault) => to.say(format_args!("Error:{fault}; no motor got power")),
+            Answer::Refused(why) => to.say(text!("Error:{why}; no motor got power")),
+            Answer::NoMachine(why) => to.say(text!("echo:{why}; no motor gets power")),
+            Answer::NoPower(fault) => to.say(text!("Error:{fault}; no motor got power")),
         }
     }
 
@@ -234,13 +237,13 @@ fn report_absent(to: &mut Speaker<'_>, absent: &Absent<'_>) {
     let which = Echo(absent.which);
     let part = absent.part.name();
     match (absent.command, absent.part) {
-        (Named::Code(b'T', number), _) => to.say(format_args!("echo:T{number} Invalid extruder")),
-        (Named::Code(b'M', 104 | 109), Part::Tool) => to.say(format_args!("echo:T{which} Invalid extruder")),
+        (Named::Code(b'T', number), _) => to.say(text!("echo:T{number} Invalid extruder")),
+        (Named::Code(b'M', 104 | 109), Part::Tool) => to.say(text!("echo:T{which} Invalid extruder")),
         (Named::Code(letter, number), _) => {
             let letter = letter as char;
-            to.say(format_args!("echo:{letter}{number} ignored: there is no {part} {which}"));
+            to.say(text!("echo:{letter}{number} ignored: there is no {part} {which}"));
         }
-        (Named::Name(name), _) => to.say(format_args!("echo:{name} ignored: there is no {part} {which}")),
+        (Named::Name(name), _) => to.say(text!("echo:{name} ignored: there is no {part} {which}")),
     }
 }
 
@@ -248,16 +251,16 @@ fn report_absent(to: &mut Speaker<'_>, absent: &Absent<'_>) {
 fn report_malformed(to: &mut Speaker<'_>, flaw: Flaw<'_>) {
     match flaw {
         Flaw::NoWord(text) => {
-            to.say(format_args!("echo:line ignored: \"{}\" is not a letter with a number", Echo(text)));
+            to.say(text!("echo:line ignored: \"{}\" is not a letter with a number", Echo(text)));
         }
         Flaw::NoPair(text) => {
-            to.say(format_args!("echo:line ignored: \"{}\" is not a name with = and a number", Echo(text)));
+            to.say(text!("echo:line ignored: \"{}\" is not a name with = and a number", Echo(text)));
         }
-        Flaw::NoNumber(letter) => to.say(format_args!("echo:line ignored: {} needs a number", letter as char)),
-        Flaw::OutOfRange(text) => to.say(format_args!("echo:line ignored: {} is out of range", Echo(text))),
-        Flaw::NoAxis(letter) => to.say(format_args!("echo:line ignored: there is no axis {}", letter as char)),
+        Flaw::NoNumber(letter) => to.say(text!("echo:line ignored: {} needs a number", letter as char)),
+        Flaw::OutOfRange(text) => to.say(text!("echo:line ignored: {} is out of range", Echo(text))),
+        Flaw::NoAxis(letter) => to.say(text!("echo:line ignored: there is no axis {}", letter as char)),
         Flaw::SecondCommand(text) => {
-            to.say(format_args!("echo:line ignored: {} is a second command on it", Echo(text)));
+            to.say(text!("echo:line ignored: {} is a second command on it", Echo(text)));
         }
         Flaw::Absent(absent) => report_absent(to, &absent),
     }

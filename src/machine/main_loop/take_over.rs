@@ -69,7 +69,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         let lifted = if is_homed { lifted } else { Mm::ZERO };
         let is_same = lifted == Mm::ZERO && resolutions(wanted) == resolutions(&self.settings);
         if is_homed && is_otherwise {
-            self.hosts.notify_all(format_args!("echo:Z was homed otherwise than these settings say: home it (G28 Z)"));
+            self.hosts.notify_all(text!("echo:Z was homed otherwise than these settings say: home it (G28 Z)"));
         }
         if !is_same {
             leave_surface(self).await?;
@@ -106,7 +106,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
             return Ok(());
         }
         let [x, y] = by.map(exact);
-        self.hosts.notify_all(format_args!("echo:the mesh moves with the probe: X{x} Y{y}. After a rebuild send G29"));
+        self.hosts.notify_all(text!("echo:the mesh moves with the probe: X{x} Y{y}. After a rebuild send G29"));
         let mesh = self.bed.mesh().map(|known| known.mesh);
         set_mesh(self, mesh.as_ref()).await
     }

@@ -85,6 +85,6 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
 /// Tells hosts once that the kept offset is not stored.
 pub(in crate::machine) fn tell_of_z_offset<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) {
     if main_loop.first_layer.tells(&main_loop.settings) {
-        main_loop.hosts.notify_all(format_args!("echo:the offset of Z is not saved: M500 keeps it"));
+        main_loop.hosts.notify_all(text!("echo:the offset of Z is not saved: M500 keeps it"));
     }
 }

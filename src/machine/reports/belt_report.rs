@@ -44,32 +44,32 @@ impl fmt::Display for Why<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self(error, s) = self;
         match error {
-            AlignError::NoUart => f.write_str("its drivers cannot be asked for loads"),
+            AlignError::NoUart => put!(f, "its drivers cannot be asked for loads"),
             AlignError::Driver(fault) => fault.fmt(f),
-            AlignError::TooFewReadings => f.write_str("the drivers were hardly read while the tool moved"),
-            AlignError::Flat => f.write_str("the loads that the drivers measure do not change with the belt's strain"),
-            AlignError::TooFar => f.write_str("more strain than three turns explain"),
+            AlignError::TooFewReadings => put!(f, "the drivers were hardly read while the tool moved"),
+            AlignError::Flat => put!(f, "the loads that the drivers measure do not change with the belt's strain"),
+            AlignError::TooFar => put!(f, "more strain than three turns explain"),
             AlignError::Phase => {
-                f.write_str("their drivers do not count microsteps as they should (M915 aligns by load)")
+                put!(f, "their drivers do not count microsteps as they should (M915 aligns by load)")
             }
-            AlignError::Changed => f.write_str("a motor has skipped meanwhile"),
+            AlignError::Changed => put!(f, "a motor has skipped meanwhile"),
             AlignError::Strained(by) => {
-                write!(f, "measured again, it is strained by {} mm: ", Thousandths(*by))?;
-                f.write_str("a motor has skipped meanwhile, or something drags (a roller, a pulley)")
+                put!(f, "measured again, it is strained by {} mm: ", Thousandths(*by))?;
+                put!(f, "a motor has skipped meanwhile, or something drags (a roller, a pulley)")
             }
             AlignError::Drags(by) => {
-                write!(f, "strain differs by {} mm with direction or motor: something drags ", Thousandths(*by))?;
-                f.write_str("(a roller, a pulley, a motor); see that all turn freely, then M915")
+                put!(f, "strain differs by {} mm with direction or motor: something drags ", Thousandths(*by))?;
+                put!(f, "(a roller, a pulley, a motor); see that all turn freely, then M915")
             }
             AlignError::AtLimit(motor) => {
-                write!(
+                put!(
                     f,
                     "motor {} has no torque left: it, its pulley or a roller of its belt drags, ",
                     s.name_of(*motor)
                 )?;
-                f.write_str("or its current is too low (M906); see that all turn freely, then M915")
+                put!(f, "or its current is too low (M906); see that all turn freely, then M915")
             }
-            AlignError::Unsure => f.write_str("the loads that the drivers measure do not agree"),
+            AlignError::Unsure => put!(f, "the loads that the drivers measure do not agree"),
         }
     }
 }
@@ -85,39 +85,37 @@ pub(in crate::machine) fn report_belt(to: &mut Speaker<'_>, answer: &BeltAnswer,
     match *answer {
         BeltAnswer::State => {
             let state = match trimming.is_aligned() {
-                false => "not aligned since motors got power (M915)",
+                false => packed!("not aligned since motors got power (M915)"),
                 true if trimming.is_by_phases() => {
-                    "aligned by stored phases alone: no load was measured (M915 D measures)"
+                    packed!("aligned by stored phases alone: no load was measured (M915 D measures)")
                 }
-                true => "aligned",
+                true => packed!("aligned"),
             };
-            to.say(format_args!("Belt: motors {state}"));
+            to.say(text!("Belt: motors {state}"));
             for (number, residual) in Residuals::new(&s.mechanism, s.belt.is_closed).iter().enumerate() {
                 let Some(Found { was, within, readings_per_mm, .. }) = trimming.found(number) else { continue };
                 let (sum, was, within) = (Sum(residual, s), Thousandths(was), Thousandths(within));
                 match readings_per_mm {
-                    None => to.say(format_args!("Belt: {sum} was {was} mm from its stored phase")),
+                    None => to.say(text!("Belt: {sum} was {was} mm from its stored phase")),
                     Some(readings) => {
-                        to.say(format_args!("Belt: {sum} was {was} mm, then measured within {within} mm"));
-                        to.say(format_args!("Belt: {sum}: a mm of strain takes {readings} of SG_RESULT"));
+                        to.say(text!("Belt: {sum} was {was} mm, then measured within {within} mm"));
+                        to.say(text!("Belt: {sum}: a mm of strain takes {readings} of SG_RESULT"));
                     }
                 }
             }
         }
         // M915 R leaves a motor where loads say, which may be a step or two from the phase that M915 found before.
-        BeltAnswer::Fields(-2..=2) => to.say(format_args!("Belt: drivers have made the steps that are counted")),
+        BeltAnswer::Fields(-2..=2) => to.say(text!("Belt: drivers have made the steps that are counted")),
         BeltAnswer::Fields(steps) => {
-            to.say(format_args!(
-                "Belt: drivers stand {steps} steps apart: steps were lost on their lines (M915 aligns)"
-            ));
+            to.say(text!("Belt: drivers stand {steps} steps apart: steps were lost on their lines (M915 aligns)"));
         }
         BeltAnswer::Met([Some(x), Some(y)]) => {
-            to.say(format_args!("Belt: x met its switch {x} mm of path ago, y {y} (M915 D meets them again)"));
+            to.say(text!("Belt: x met its switch {x} mm of path ago, y {y} (M915 D meets them again)"));
         }
-        BeltAnswer::Met(_) => to.say(format_args!("Belt: x and y have not met their switches (G28)")),
+        BeltAnswer::Met(_) => to.say(text!("Belt: x and y have not met their switches (G28)")),
         BeltAnswer::Load { number, now, before } => {
             if let Some(residual) = Residuals::new(&s.mechanism, s.belt.is_closed).iter().nth(number) {
-                to.say(format_args!(
+                to.say(text!(
                     "echo:{}: a mm of strain takes {now} of SG_RESULT, {before} before: a roller or motor drags, the \
                     belt has changed, or currents (M906)",
                     Sum(residual, s)
@@ -129,76 +127,79 @@ pub(in crate::machine) fn report_belt(to: &mut Speaker<'_>, answer: &BeltAnswer,
                 return;
             };
             let turns = Thousandths(Mm::ONE.saturating_mul_int(by.into()) / i64::from(TURN));
-            let kept =
-                if is_kept { "the new phase is used, M500 stores it" } else { "no phase is kept (M915 finds it)" };
+            let kept = if is_kept {
+                packed!("the new phase is used, M500 stores it")
+            } else {
+                packed!("no phase is kept (M915 finds it)")
+            };
             let sum = Sum(&residual, s);
             match shift {
                 Shift::Teeth(number) => {
                     let teeth = if number == 1 { "tooth" } else { "teeth" };
-                    to.say(format_args!(
+                    to.say(text!(
                         "echo:phase of {sum} is off by {turns} of an electrical turn, as a jump of at least \
                         {number} {teeth} makes it: check the belt's tension; {kept}"
                     ));
                 }
-                _ => to.say(format_args!(
+                _ => to.say(text!(
                     "echo:phase of {sum} is off by {turns} of an electrical turn, which no jump of teeth makes: a \
                     pulley has slipped on its shaft, tighten its screw; {kept}"
                 )),
             }
         }
-        BeltAnswer::Untold => to.say(format_args!(
+        BeltAnswer::Untold => to.say(text!(
             "echo:a tooth is whole electrical turns on this machine: jumped teeth cannot be told from skips"
         )),
         BeltAnswer::Aligned => {
             report_found(to, "echo:belt motors aligned: ", trimming, s);
             if trimming.has_new_phase() {
-                to.say(format_args!(
+                to.say(text!(
                     "echo:stored settings lack the new phase of the belt: M500 stores it, and motors \
                     align when they get power"
                 ));
             }
         }
         BeltAnswer::NotAligned(error) => {
-            to.say(format_args!("echo:belt motors not aligned: {}", Why(&error, s)));
+            to.say(text!("echo:belt motors not aligned: {}", Why(&error, s)));
         }
-        BeltAnswer::NoResidual => to.say(format_args!("echo:no motors of this machine can pull against each other")),
-        BeltAnswer::Needed => to.say(format_args!("echo:move ignored: align the belt motors first (M915)")),
+        BeltAnswer::NoResidual => to.say(text!("echo:no motors of this machine can pull against each other")),
+        BeltAnswer::Needed => to.say(text!("echo:move ignored: align the belt motors first (M915)")),
         BeltAnswer::NothingToCompare => {
-            to.say(format_args!("echo:nothing to compare with: align the belt motors first (M915)"));
+            to.say(text!("echo:nothing to compare with: align the belt motors first (M915)"));
         }
         BeltAnswer::Touched([x, y]) => {
             let (x, y) = (length(x, per_mm), length(y, per_mm));
-            to.say(format_args!("echo:the tool is off its position by X{x} Y{y} mm"));
+            to.say(text!("echo:the tool is off its position by X{x} Y{y} mm"));
         }
-        BeltAnswer::Diagnosis(Diagnosis::Nothing) => to.say(format_args!("echo:no motor has skipped")),
+        BeltAnswer::Diagnosis(Diagnosis::Nothing) => to.say(text!("echo:no motor has skipped")),
         BeltAnswer::Diagnosis(Diagnosis::Aside) => {
-            to.say(format_args!(
+            to.say(text!(
                 "echo:the belt is not strained, and no skip moves the tool so far: a switch has moved, or something \
                 drags"
             ));
         }
         BeltAnswer::Diagnosis(Diagnosis::Moved) => {
-            to.say(format_args!("echo:no skip strains the belt like this (M915 aligns)"));
+            to.say(text!("echo:no skip strains the belt like this (M915 aligns)"));
         }
         BeltAnswer::Diagnosis(Diagnosis::Alike) => {
-            to.say(format_args!(
+            to.say(text!(
                 "echo:all motors have skipped equally, or a switch has moved: the belt is not \
                 strained"
             ));
         }
         BeltAnswer::Diagnosis(Diagnosis::Skip { motor, full_steps }) => {
             let name = s.name_of(motor);
-            to.say(format_args!("echo:motor {name} has skipped by {full_steps:+} full steps"));
+            to.say(text!("echo:motor {name} has skipped by {full_steps:+} full steps"));
         }
         BeltAnswer::Diagnosis(Diagnosis::Several) => {
-            to.say(format_args!("echo:more than one skip: which motors cannot be told (M915 aligns)"));
+            to.say(text!("echo:more than one skip: which motors cannot be told (M915 aligns)"));
         }
         BeltAnswer::NotRepaired(error) => {
-            to.say(format_args!("echo:belt not repaired: {}", Why(&error, s)));
+            to.say(text!("echo:belt not repaired: {}", Why(&error, s)));
         }
         BeltAnswer::Repaired([x, y]) => {
             let (x, y) = (length(x, per_mm), length(y, per_mm));
-            to.say(format_args!("echo:belt repaired, x and y homed; touched again: X{x} Y{y} mm"));
+            to.say(text!("echo:belt repaired, x and y homed; touched again: X{x} Y{y} mm"));
         }
     }
 }
@@ -209,7 +210,7 @@ fn report_found(to: &mut Speaker<'_>, begin: &str, trimming: &Trimming, s: &Sett
     for (number, residual) in residuals.iter().enumerate() {
         let Some(Found { was, within, .. }) = trimming.found(number) else { continue };
         let (sum, was, within) = (Sum(residual, s), Thousandths(was), Thousandths(within));
-        to.say(format_args!("{begin}{sum} was {was} mm, is correct now within {within} mm"));
+        to.say(text!("{begin}{sum} was {was} mm, is correct now within {within} mm"));
     }
 }
 

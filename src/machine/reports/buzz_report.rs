@@ -14,7 +14,7 @@ impl fmt::Display for Names<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self(motors, s) = self;
         if motors.is_empty() {
-            return f.write_str(" none");
+            return put!(f, " none");
         }
         motors.iter().try_for_each(|motor| write!(f, " {}", s.name_of(motor)))
     }
@@ -25,16 +25,16 @@ pub(in crate::machine) fn report_buzz(to: &mut Speaker<'_>, answer: &BuzzAnswer,
     match *answer {
         BuzzAnswer::NoMotor(name) => {
             let all = Names(s.mechanism.fitted(), s);
-            to.say(format_args!("echo:STEPPER_BUZZ ignored: there is no motor {name}; STEPPER= is one of{all}"));
+            to.say(text!("echo:STEPPER_BUZZ ignored: there is no motor {name}; STEPPER= is one of{all}"));
         }
         BuzzAnswer::Strains(motor, others) => {
             let (name, others) = (s.name_of(motor), Names(others, s));
-            to.say(format_args!("echo:STEPPER_BUZZ ignored: {name} would strain its belt; FREE= is one of{others}"));
+            to.say(text!("echo:STEPPER_BUZZ ignored: {name} would strain its belt; FREE= is one of{others}"));
         }
         BuzzAnswer::Done { motor, steps, held, free } => {
             let (name, way) = (s.name_of(motor), Thousandths(s.steps_per_mm(motor).length_of(steps.into())));
             let (held, free) = (Names(held, s), Names(free, s));
-            to.say(format_args!("echo:{name} moved {way} mm to and fro; held:{held}; free:{free}; home again"));
+            to.say(text!("echo:{name} moved {way} mm to and fro; held:{held}; free:{free}; home again"));
         }
     }
 }

@@ -26,20 +26,20 @@ struct State<'r> {
 impl fmt::Display for State<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (power, turn) = (self.power, &self.turn);
-        let Some(held) = self.held else { return write!(f, "not configured yet, motor {power}") };
+        let Some(held) = self.held else { return put!(f, "not configured yet, motor {power}") };
         let (current, mode) = (held.run_current_ma(), self.reading.mode());
-        write!(f, "configured, motor {power}, {current} mA, {mode}")?;
+        put!(f, "configured, motor {power}, {current} mA, {mode}")?;
         if let (Some(threshold), true) = (&self.threshold, self.reading.is_stealthy()) {
-            write!(f, " up to {threshold} mm/s")?;
+            put!(f, " up to {threshold} mm/s")?;
         }
         match self.reading.microsteps() {
             Some(microsteps) => {
                 let steps = if self.reading.interpolates() { "microsteps" } else { "plain microsteps" };
-                write!(f, ", {microsteps} {steps}, {turn} mm a turn")?;
+                put!(f, ", {microsteps} {steps}, {turn} mm a turn")?;
             }
-            None => f.write_str(", microsteps by its pins")?,
+            None => put!(f, ", microsteps by its pins")?,
         }
-        write!(f, ", {} mA at rest", held.hold_current_ma())
+        put!(f, ", {} mA at rest", held.hold_current_ma())
     }
 }
 
@@ -51,7 +51,7 @@ impl fmt::Display for Health<'_> {
         let Self(reading, problem, failures) = self;
         let open = if reading.seems_open() { ", coil open?" } else { "" };
         let (temperature, stall, writes) = (reading.temperature(), reading.stall(), reading.writes());
-        write!(f, "{temperature}{open}, stall result {stall}, {writes} writes, {failures} failed exchanges")?;
+        put!(f, "{temperature}{open}, stall result {stall}, {writes} writes, {failures} failed exchanges")?;
         match problem {
             Some(problem) => write!(f, ", {problem}"),
             None => Ok(()),
@@ -68,8 +68,8 @@ pub(in crate::machine) fn report_driver(
 ) {
     let name = s.name_of(motor);
     let reading = match reading {
-        None => return to.say(format_args!("Driver {name}: no UART, set by its jumpers")),
-        Some(Err(error)) => return to.say(format_args!("Driver {name}: {error}")),
+        None => return to.say(text!("Driver {name}: no UART, set by its jumpers")),
+        Some(Err(error)) => return to.say(text!("Driver {name}: {error}")),
         Some(Ok(reading)) => reading,
     };
     let (held, failures) = drivers.known(motor);
@@ -78,10 +78,10 @@ pub(in crate::machine) fn report_driver(
     let rate = held.and_then(|held| held.hybrid_steps_per_s());
     let threshold = rate.map(|rate| Hundredths::of(s.steps_per_mm(motor).length_of(rate.into())));
     let state = State { reading: &reading, held, power, turn, threshold };
-    to.say(format_args!("Driver {name}: {state}"));
+    to.say(text!("Driver {name}: {state}"));
     // A driver that got no message yet rightly reports that it was reset.
     let problem = held.and(reading.problem());
-    to.say(format_args!("  {}", Health(&reading, problem, failures)));
+    to.say(text!("  {}", Health(&reading, problem, failures)));
 }
 
 /// The distance for a turn of a motor of 200 full steps, which shows whether microsteps and steps/mm agree.
@@ -96,11 +96,11 @@ impl<N: fmt::Display> fmt::Display for DriverValueLine<N> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self(name, value, number) = self;
         let what = match value {
-            DriverValue::Current => "driver current",
-            DriverValue::HybridThreshold => "stealthChop max speed",
-            DriverValue::StallThreshold => "homing sensitivity",
-            DriverValue::Mode if *number == Number::ZERO => return write!(f, "{name} driver mode: spreadCycle"),
-            DriverValue::Mode => return write!(f, "{name} driver mode: stealthChop"),
+            DriverValue::Current => packed!("driver current"),
+            DriverValue::HybridThreshold => packed!("stealthChop max speed"),
+            DriverValue::StallThreshold => packed!("homing sensitivity"),
+            DriverValue::Mode if *number == Number::ZERO => return put!(f, "{name} driver mode: spreadCycle"),
+            DriverValue::Mode => return put!(f, "{name} driver mode: stealthChop"),
         };
         write!(f, "{name} {what}: {number}")
     }
@@ -110,7 +110,7 @@ impl<N: fmt::Display> fmt::Display for DriverValueLine<N> {
 pub(in crate::machine) fn report_driver_values(to: &mut Speaker<'_>, value: DriverValue, s: &Settings) {
     let DriverGroups { belt, z, e, .. } = s.drivers;
     for (axis, group) in [('X', belt), ('Y', belt), ('Z', z), ('E', e)] {
-        to.say(format_args!("{}", DriverValueLine(axis, value, value.number(&group))));
+        to.say(text!("{}", DriverValueLine(axis, value, value.number(&group))));
     }
     report_own_driver_values(to, value, s);
 }
@@ -118,6 +118,6 @@ pub(in crate::machine) fn report_driver_values(to: &mut Speaker<'_>, value: Driv
 /// The value of each motor that has its own.
 pub(in crate::machine) fn report_own_driver_values(to: &mut Speaker<'_>, value: DriverValue, s: &Settings) {
     for (motor, number) in value.of_motors(s) {
-        to.say(format_args!("{}", DriverValueLine(s.name_of(motor), value, number)));
+        to.say(text!("{}", DriverValueLine(s.name_of(motor), value, number)));
     }
 }

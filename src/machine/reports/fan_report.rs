@@ -54,6 +54,6 @@ impl fmt::Display for FanTurns<'_> {
 pub(super) fn report_fans(to: &mut Speaker<'_>, settings: &Settings, heat: &Heat) {
     let turns = FanTurns { settings, heat };
     if turns.has_any() {
-        to.say(format_args!("echo:fans {turns}"));
+        to.say(text!("echo:fans {turns}"));
     }
 }

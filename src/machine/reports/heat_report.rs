@@ -55,8 +55,8 @@ impl Temperatures {
 impl fmt::Display for Temperatures {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.heaters == [None; HEATERS] {
-            f.write_str("T:0.00 /0.00 B:0.00 /0.00")?;
-            return write!(f, "{} @:0 B@:0", Extra(&self.extra));
+            put!(f, "T:0.00 /0.00 B:0.00 /0.00")?;
+            return put!(f, "{} @:0 B@:0", Extra(&self.extra));
         }
         let mut gap = "";
         for (letter, (measured, target, _)) in LETTERS.into_iter().zip(self.heaters).filter_map(|(l, h)| Some((l, h?)))
@@ -87,8 +87,8 @@ pub(in crate::machine) fn report_heat(
 ) {
     let thermal = &settings.thermal;
     match fault_latch.fault() {
-        Some(fault) => to.say(format_args!("echo:fault: {fault}; {} more since", fault_latch.more())),
-        None => to.say(format_args!("echo:fault: none")),
+        Some(fault) => to.say(text!("echo:fault: {fault}; {} more since", fault_latch.more())),
+        None => to.say(text!("echo:fault: none")),
     }
     for (heater, target) in Heater::ALL.into_iter().zip(targets).filter(|(h, _)| thermal.heater(*h).is_fitted) {
         let name = heater.name();
@@ -96,12 +96,12 @@ pub(in crate::machine) fn report_heat(
         match heat.measured(heater) {
             Some(measured) => {
                 let measured = Hundredths::of(measured);
-                to.say(format_args!("echo:heater {name} {measured} C, target {target} C, duty {duty} %"));
+                to.say(text!("echo:heater {name} {measured} C, target {target} C, duty {duty} %"));
             }
-            None => to.say(format_args!("echo:heater {name} has no reading, target {target} C, duty {duty} %")),
+            None => to.say(text!("echo:heater {name} has no reading, target {target} C, duty {duty} %")),
         }
         if let Some(fault) = refusal(heat, heater, thermal) {
-            to.say(format_args!("echo:heating is refused, {fault}"));
+            to.say(text!("echo:heating is refused, {fault}"));
         }
     }
     report_extra(to, &extra_readings(settings, heat));
@@ -112,14 +112,14 @@ pub(in crate::machine) fn report_heat(
 /// M303: the result of the tuning. Hosts look for Marlin's words.
 pub(in crate::machine) fn report_tuned(to: &mut Speaker<'_>, heater: Heater, tuned: &Tuned) {
     let [p, i, d] = [tuned.p, tuned.i, tuned.d].map(|bits| shortest(Ratio::from_bits(bits)));
-    to.say(format_args!("PID Autotune finished!"));
-    to.say(format_args!(" Kp: {p} Ki: {i} Kd: {d}"));
+    to.say(text!("PID Autotune finished!"));
+    to.say(text!(" Kp: {p} Ki: {i} Kd: {d}"));
     let capacity = shortest(crate::units::JoulesPerKelvin::from_bits(tuned.capacity));
     let loss = shortest(crate::units::WattsPerKelvin::from_bits(tuned.loss));
     let lag = shortest(crate::units::Seconds::from_bits(tuned.lag));
-    to.say(format_args!("echo:{}: {capacity} J/K, {loss} W/K, lag {lag} s", heater.name()));
+    to.say(text!("echo:{}: {capacity} J/K, {loss} W/K, lag {lag} s", heater.name()));
     if tuned.fan_loss > 0 {
         let fan = shortest(crate::units::WattsPerKelvin::from_bits(tuned.fan_loss));
-        to.say(format_args!("echo:{}: {fan} W/K more with the part fan", heater.name()));
+        to.say(text!("echo:{}: {fan} W/K more with the part fan", heater.name()));
     }
 }

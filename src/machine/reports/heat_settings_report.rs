@@ -26,13 +26,13 @@ pub(in crate::machine) fn report_heat_setting(to: &mut Speaker<'_>, setting: Hea
                 Heater::Bed => ["", " E-1"],
                 Heater::Chamber => ["", " E-2"],
             };
-            to.setting(format_args!("M306 {first}P{power} C{capacity} A{a} F{f} R{rate} L{lag} H{filament}{last}"));
+            to.setting(text!("M306 {first}P{power} C{capacity} A{a} F{f} R{rate} L{lag} H{filament}{last}"));
         }
-        HeatSetting::ColdExtrusion => to.setting(format_args!("M302 S{}", shortest(thermal.min_extrude))),
+        HeatSetting::ColdExtrusion => to.setting(text!("M302 S{}", shortest(thermal.min_extrude))),
         HeatSetting::ControllerFan => {
             let fan = thermal.fans.iter().find(|fan| fan.role == FanRole::Controller);
             let speed = fan.map_or(0, |fan| (u64::from(fan.most.to_bits()) * 255 + (1 << 15)) >> 16);
-            to.setting(format_args!("M710 S{speed} D{}", thermal.fan_run_on_s));
+            to.setting(text!("M710 S{speed} D{}", thermal.fan_run_on_s));
         }
     }
 }
@@ -54,7 +54,7 @@ pub(in crate::machine) fn report_heat_settings(to: &mut Speaker<'_>, s: &Setting
             report_heat_setting(to, HeatSetting::Model(heater), thermal);
         }
         if let Some(gains) = gains {
-            to.setting(format_args!("{gains}"));
+            to.setting(text!("{gains}"));
         }
         if is_by_model {
             report_heat_setting(to, HeatSetting::Model(heater), thermal);

@@ -7,12 +7,12 @@ use core::fmt;
 /// Reports a machine answer.
 pub(in crate::machine) fn report_machine(to: &mut Speaker<'_>, answer: &MachineAnswer<'_>) {
     match answer {
-        MachineAnswer::Piece(at, piece) => to.say(format_args!("machine AT={at} HEX={}", Hex(piece))),
-        MachineAnswer::End(length) => to.say(format_args!("machine END={length}")),
-        MachineAnswer::Refused(why) => to.say(format_args!("echo:machine not stored: {why}")),
+        MachineAnswer::Piece(at, piece) => to.say(text!("machine AT={at} HEX={}", Hex(piece))),
+        MachineAnswer::End(length) => to.say(text!("machine END={length}")),
+        MachineAnswer::Refused(why) => to.say(text!("echo:machine not stored: {why}")),
         MachineAnswer::Stored(receipt, counts) => {
-            let since = if *counts { "in effect now" } else { "in effect after the next reset" };
-            to.say(format_args!("echo:machine stored {receipt}, {since}"));
+            let since = if *counts { packed!("in effect now") } else { packed!("in effect after the next reset") };
+            to.say(text!("echo:machine stored {receipt}, {since}"));
         }
     }
 }

@@ -52,7 +52,7 @@ pub(in crate::machine) fn report_mesh(
     s: &Settings,
 ) {
     match *answer {
-        MeshAnswer::None => to.say(format_args!("echo:Invalid mesh. G29 measures one")),
+        MeshAnswer::None => to.say(text!("echo:Invalid mesh. G29 measures one")),
         MeshAnswer::Heights(form) => {
             if let Some(known) = mesh {
                 report_heights(to, known.mesh.heights(), form);
@@ -61,70 +61,67 @@ pub(in crate::machine) fn report_mesh(
         MeshAnswer::State => {
             // The setting may be on without a mesh, and then nothing is levelled.
             let is_on = s.mesh.is_on && mesh.is_some();
-            to.say(format_args!("echo:Bed Leveling {}", if is_on { "ON" } else { "OFF" }));
+            to.say(text!("echo:Bed Leveling {}", if is_on { "ON" } else { "OFF" }));
             let fade = mesh.map_or(s.mesh.fade, |known| known.mesh.fade());
             if fade > Mm::ZERO {
-                to.say(format_args!("echo:Fade Height {}", Hundredths::of(fade)));
+                to.say(text!("echo:Fade Height {}", Hundredths::of(fade)));
             } else {
-                to.say(format_args!("echo:Fade Height OFF"));
+                to.say(text!("echo:Fade Height OFF"));
             }
         }
         MeshAnswer::Point { number, all, at, height } => {
             let [x, y] = at.map(Hundredths::of);
-            to.say(format_args!("echo:probe {number}/{all} X{x} Y{y} Z{}", Thousandths(height)));
+            to.say(text!("echo:probe {number}/{all} X{x} Y{y} Z{}", Thousandths(height)));
         }
         MeshAnswer::Area { x, y, points: [columns, rows] } => {
             let [[x, to_x], [y, to_y]] = [x, y].map(|side| [side.least, side.most].map(Hundredths::of));
-            to.say(format_args!("echo:measures X{x} to {to_x}, Y{y} to {to_y}, {columns} x {rows} points"));
+            to.say(text!("echo:measures X{x} to {to_x}, Y{y} to {to_y}, {columns} x {rows} points"));
         }
         MeshAnswer::NotAdaptive { is_cut } => {
-            let why = if is_cut { "the outline of an object is too long" } else { "no objects are known" };
-            to.say(format_args!("echo:ADAPTIVE ignored: {why}"));
+            let why =
+                if is_cut { packed!("the outline of an object is too long") } else { packed!("no objects are known") };
+            to.say(text!("echo:ADAPTIVE ignored: {why}"));
         }
         MeshAnswer::NoPoint => match mesh.map(|known| known.mesh.heights()) {
             Some(heights) => {
                 let (i, j) = (heights.columns() - 1, heights.rows() - 1);
-                to.say(format_args!("echo:ignored: points are I0 to I{i}, J0 to J{j}, and X Y inside of them"));
+                to.say(text!("echo:ignored: points are I0 to I{i}, J0 to J{j}, and X Y inside of them"));
             }
-            None => to.say(format_args!("echo:Invalid mesh. G29 measures one")),
+            None => to.say(text!("echo:Invalid mesh. G29 measures one")),
         },
         MeshAnswer::ShortFade(deviation) => {
             let (fade, deviation) = (exact(s.mesh.fade), Thousandths(deviation));
-            to.say(format_args!(
-                "echo:Fade height {fade} is short for a mesh of {deviation} mm: layers differ by a tenth"
-            ));
+            to.say(text!("echo:Fade height {fade} is short for a mesh of {deviation} mm: layers differ by a tenth"));
         }
         MeshAnswer::NoFade(deviation) => {
             let (fade, deviation) = (exact(s.mesh.fade), Thousandths(deviation));
-            to.say(format_args!("echo:Fade height {fade} is too short for a mesh of {deviation} mm: it does not fade"));
+            to.say(text!("echo:Fade height {fade} is too short for a mesh of {deviation} mm: it does not fade"));
         }
-        MeshAnswer::Kept => to.say(format_args!("echo:Mesh stored")),
+        MeshAnswer::Kept => to.say(text!("echo:Mesh stored")),
         MeshAnswer::Moved(by) => {
             let [x, y] = by.map(exact);
-            to.say(format_args!("echo:Stored mesh moved with the probe: X{x} Y{y}"));
+            to.say(text!("echo:Stored mesh moved with the probe: X{x} Y{y}"));
         }
         MeshAnswer::Ends => {
-            to.say(format_args!("echo:Stored mesh ends with the next start: steps or axes are others. Send G29, M500"));
+            to.say(text!("echo:Stored mesh ends with the next start: steps or axes are others. Send G29, M500"));
         }
-        MeshAnswer::Forgotten => to.say(format_args!("echo:Stored mesh forgotten")),
+        MeshAnswer::Forgotten => to.say(text!("echo:Stored mesh forgotten")),
         MeshAnswer::Part => {
-            to.say(format_args!("echo:Mesh not stored: it covers a part of the bed. G29 without an area measures all"));
+            to.say(text!("echo:Mesh not stored: it covers a part of the bed. G29 without an area measures all"));
         }
         MeshAnswer::NotKept(MeshNotSaved::TooLarge) => {
-            to.say(format_args!(
-                "echo:Mesh not stored: there is room for {MOST_STORED} points; it counts until a reset"
-            ));
+            to.say(text!("echo:Mesh not stored: there is room for {MOST_STORED} points; it counts until a reset"));
         }
-        MeshAnswer::NotKept(MeshNotSaved::Storage(error)) => to.say(format_args!("echo:Mesh not stored: {error}")),
+        MeshAnswer::NotKept(MeshNotSaved::Storage(error)) => to.say(text!("echo:Mesh not stored: {error}")),
         MeshAnswer::NotKept(MeshNotSaved::NotKept) => {
-            to.say(format_args!("echo:Mesh not stored: storage does not keep written data"));
+            to.say(text!("echo:Mesh not stored: storage does not keep written data"));
         }
-        MeshAnswer::Rejected(why) => to.say(format_args!(
+        MeshAnswer::Rejected(why) => to.say(text!(
             "echo:No stored mesh: {}. Prints are not levelled until G29",
             match why {
-                MeshRejected::Blank => "none was stored",
-                MeshRejected::Damaged => "it is damaged",
-                MeshRejected::Machine => "it is of a machine with other axes, motors or another probe",
+                MeshRejected::Blank => packed!("none was stored"),
+                MeshRejected::Damaged => packed!("it is damaged"),
+                MeshRejected::Machine => packed!("it is of a machine with other axes, motors or another probe"),
             }
         )),
     }
@@ -133,20 +130,20 @@ pub(in crate::machine) fn report_mesh(
 fn report_heights(to: &mut Speaker<'_>, heights: &Heights, form: MeshForm) {
     match form {
         MeshForm::Grid => {
-            to.say(format_args!("Bilinear Leveling Grid:"));
-            to.say(format_args!("{}", Numbers(heights.columns())));
+            to.say(text!("Bilinear Leveling Grid:"));
+            to.say(text!("{}", Numbers(heights.columns())));
             for row in 0..heights.rows() {
-                to.say(format_args!("{row:>2}{}", Row { heights, row, between: ' ' }));
+                to.say(text!("{row:>2}{}", Row { heights, row, between: ' ' }));
             }
-            to.say(format_args!(""));
+            to.say(text!(""));
         }
         MeshForm::Table => {
-            to.say(format_args!("Bed Topography Report for CSV:"));
-            to.say(format_args!(""));
+            to.say(text!("Bed Topography Report for CSV:"));
+            to.say(text!(""));
             for row in (0..heights.rows()).rev() {
-                to.say(format_args!("{}", Row { heights, row, between: '\t' }));
+                to.say(text!("{}", Row { heights, row, between: '\t' }));
             }
-            to.say(format_args!(""));
+            to.say(text!(""));
         }
     }
     const { assert!(MOST_POINTS < 100) };

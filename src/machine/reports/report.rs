@@ -116,7 +116,7 @@ impl fmt::Display for Position<'_> {
         if let Some(c) = self.circulation.map(Hundredths::of) {
             write!(f, " C:{c}")?;
         }
-        f.write_str(" Count")?;
+        put!(f, " Count")?;
         let (axes, sums) = LETTERS;
         let mut sums = sums.into_iter();
         for (group, count) in self.groups.iter().zip(self.counts).filter(|(group, _)| group.is_tool()) {
@@ -146,7 +146,7 @@ impl<'m> Position<'m> {
 
 /// M115. BTT's screens and OctoPrint's EEPROM editor look for Marlin in the name.
 pub(in crate::machine) fn report_firmware(to: &mut Speaker<'_>, has_storage: bool, inputs: EndstopSet, s: &Settings) {
-    to.say(format_args!(
+    to.say(text!(
         "FIRMWARE_NAME:CoreH-bot {} (Marlin dialect) SOURCE_CODE_URL:- PROTOCOL_VERSION:1.0 MACHINE_TYPE:{} \
          EXTRUDER_COUNT:1 UUID:00000000-0000-0000-0000-000000000000",
         env!("CARGO_PKG_VERSION"),
@@ -161,7 +161,7 @@ pub(in crate::machine) fn report_firmware(to: &mut Speaker<'_>, has_storage: boo
             Has::Probe => s.probe.is_fitted() && inputs.has(EndstopSet::PROBE),
             Has::Z => !s.mechanism.motors_of(HomedAxis::Z as usize).is_empty(),
         };
-        to.say(format_args!("Cap:{name}:{}", u8::from(is_there)));
+        to.say(text!("Cap:{name}:{}", u8::from(is_there)));
     }
 }
 
@@ -175,18 +175,18 @@ pub(in crate::machine) fn report_endstops(
     filament: Option<bool>,
 ) {
     let state = |e: EndstopSet| if pressed.has(e) { "TRIGGERED" } else { "open" };
-    to.say(format_args!("Reporting endstop status"));
+    to.say(text!("Reporting endstop status"));
     let of_axis =
         [('x', endstops.x, EndstopSet::X), ('y', endstops.y, EndstopSet::Y), ('z', endstops.z, EndstopSet::Z)];
     for (axis, endstop, switch) in of_axis {
-        to.say(format_args!("{axis}_{}: {}", endstop.end.name(), state(switch)));
+        to.say(text!("{axis}_{}: {}", endstop.end.name(), state(switch)));
     }
     if inputs.has(EndstopSet::PROBE) {
-        to.say(format_args!("z_probe: {}", state(EndstopSet::PROBE)));
+        to.say(text!("z_probe: {}", state(EndstopSet::PROBE)));
     }
     if let Some(is_there) = filament {
         // Marlin's words: with filament the switch has triggered (`Endstops::report_states`).
-        to.say(format_args!("filament: {}", if is_there { "TRIGGERED" } else { "open" }));
+        to.say(text!("filament: {}", if is_there { "TRIGGERED" } else { "open" }));
     }
 }
 
@@ -194,7 +194,7 @@ pub(in crate::machine) fn report_endstops(
 pub(in crate::machine) fn report_overload(to: &mut Speaker<'_>, overload: Overload) {
     let Overload { events, spans, starved, underruns } = overload;
     let us = |late: Late| late.worst / const { TICKS_PER_MS / 1000 };
-    to.say(format_args!(
+    to.say(text!(
         "echo:overload: {} steps late, worst {} us; {} spans stretched, worst {} us; {starved} times out of steps, \
          {underruns} times out of moves",
         events.count,
@@ -207,16 +207,16 @@ pub(in crate::machine) fn report_overload(to: &mut Speaker<'_>, overload: Overlo
 /// M290: the sum of all shifts since z was homed (Marlin's words), and the kept offsets. These are the probe's offset
 /// if it homes z, the program's offset, and the sum by which both lift the nozzle.
 pub(in crate::machine) fn report_z_offset(to: &mut Speaker<'_>, shifted: Mm, s: &Settings, are_stored: [bool; 2]) {
-    to.say(format_args!("echo:Babystep Z{}", Hundredths::of(shifted)));
+    to.say(text!("echo:Babystep Z{}", Hundredths::of(shifted)));
     let [news, news_of_probe] = are_stored.map(|is_stored| if is_stored { "" } else { ", not saved: M500 keeps it" });
     let kept = exact(s.bed.z_offset);
     if s.homes_z_by_probe() {
-        to.say(format_args!("echo:Probe Offset Z{}{news_of_probe}", exact(s.probe.offset.z)));
+        to.say(text!("echo:Probe Offset Z{}{news_of_probe}", exact(s.probe.offset.z)));
         // The sum of two rounded decimals is a bit or two off the decimal that it means.
         let sum = shortest_with(s.probe_in_program().offset.z.into(), 24);
-        to.say(format_args!("echo:Z offset {kept}, the sum is {sum}{news}"));
+        to.say(text!("echo:Z offset {kept}, the sum is {sum}{news}"));
     } else {
-        to.say(format_args!("echo:Z offset {kept}{news}"));
+        to.say(text!("echo:Z offset {kept}{news}"));
     }
 }
 

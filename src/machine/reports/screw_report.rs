@@ -8,23 +8,23 @@ use crate::units::Mm;
 /// The line of an answer.
 pub(in crate::machine) fn report_screws(to: &mut Speaker<'_>, answer: &ScrewAnswer) {
     match *answer {
-        ScrewAnswer::Round(round) => to.say(format_args!("G34 Iteration: {round}")),
+        ScrewAnswer::Round(round) => to.say(text!("G34 Iteration: {round}")),
         ScrewAnswer::Heights(heights, count) => {
             for (first, height) in heights.iter().take(count).enumerate() {
                 for (second, other) in heights.iter().take(count).enumerate().skip(first + 1) {
                     let (a, b, difference) = (first + 1, second + 1, Thousandths(height.saturating_sub(*other)));
-                    to.say(format_args!("{a}:{b}={difference}"));
+                    to.say(text!("{a}:{b}={difference}"));
                 }
             }
         }
         ScrewAnswer::Done { rounds, of, left, is_level } => {
             if is_level {
-                to.say(format_args!("Target accuracy achieved."));
+                to.say(text!("Target accuracy achieved."));
             }
-            to.say(format_args!("Did {rounds} of {of}"));
+            to.say(text!("Did {rounds} of {of}"));
             // Nothing has measured what the last turns did.
             let when = if is_level { "" } else { " before the last turns" };
-            to.say(format_args!("Accuracy: {}{when}", Thousandths(left)));
+            to.say(text!("Accuracy: {}{when}", Thousandths(left)));
         }
         ScrewAnswer::Corner { corner, higher, pitch, is_clockwise } => {
             let (name, distance) = (corner.name(), higher.saturating_abs());
@@ -32,7 +32,7 @@ pub(in crate::machine) fn report_screws(to: &mut Speaker<'_>, answer: &ScrewAnsw
             let (turns, minutes) = (minutes / 60, minutes % 60);
             let direction = if is_clockwise { "CW" } else { "CCW" };
             let distance = Thousandths(distance);
-            to.say(format_args!("Turn {name} {direction} by {turns} turns and {minutes} minutes ({distance}mm)"));
+            to.say(text!("Turn {name} {direction} by {turns} turns and {minutes} minutes ({distance}mm)"));
         }
     }
 }

@@ -38,7 +38,7 @@ impl fmt::Display for Extra<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for ((_, letter), reading) in PLACES.into_iter().zip(self.0) {
             match reading {
-                Some(Reading::Celsius(celsius)) => write!(f, " {letter}:{} /0.00", Hundredths::of(*celsius))?,
+                Some(Reading::Celsius(celsius)) => put!(f, " {letter}:{} /0.00", Hundredths::of(*celsius))?,
                 Some(broken) => write!(f, " {letter}:{}", what_is_wrong(*broken))?,
                 None => {}
             }
@@ -51,8 +51,8 @@ impl fmt::Display for Extra<'_> {
 pub(super) fn report_extra(to: &mut Speaker<'_>, readings: &ExtraReadings) {
     for ((place, _), reading) in PLACES.into_iter().zip(readings) {
         match reading {
-            Some(Reading::Celsius(celsius)) => to.say(format_args!("echo:{place} {} C", Hundredths::of(*celsius))),
-            Some(broken) => to.say(format_args!("echo:{place} has no reading: {}", what_is_wrong(*broken))),
+            Some(Reading::Celsius(celsius)) => to.say(text!("echo:{place} {} C", Hundredths::of(*celsius))),
+            Some(broken) => to.say(text!("echo:{place} has no reading: {}", what_is_wrong(*broken))),
             None => {}
         }
     }
@@ -72,8 +72,8 @@ pub(super) const fn what_is_wrong(reading: Reading) -> &'static str {
 pub(in crate::machine) fn report_sensors(to: &mut Speaker<'_>, heat: &Heat) {
     for (sensor, name) in Sensor::ALL {
         match heat.sample(sensor) {
-            Some(share) => to.say(format_args!("echo:sensor {name} {share}/65536")),
-            None => to.say(format_args!("echo:sensor {name} -")),
+            Some(share) => to.say(text!("echo:sensor {name} {share}/65536")),
+            None => to.say(text!("echo:sensor {name} -")),
         }
     }
 }

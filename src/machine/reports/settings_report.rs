@@ -22,45 +22,45 @@ pub(in crate::machine) fn report_settings(
     retraction: &RetractionSettings,
     has_drivers: bool,
 ) {
-    to.setting(format_args!("G21"));
+    to.setting(text!("G21"));
     for setting in Setting::all() {
         report_setting(to, setting, s);
     }
-    to.setting(format_args!("{}", Words::of_retraction(retraction)));
-    to.setting(format_args!("{}", Words::of_recovery(retraction)));
+    to.setting(text!("{}", Words::of_retraction(retraction)));
+    to.setting(text!("{}", Words::of_recovery(retraction)));
     if has_drivers {
         report_driver_settings(to, s);
     }
     report_heat_settings(to, s);
     report_space(to, s);
     let soft = u8::from(s.soft_endstops);
-    to.setting(format_args!("M211 S{soft} ; {}", if s.soft_endstops { "ON" } else { "OFF" }));
-    to.named_setting(format_args!("SET_GCODE_OFFSET Z={}", exact(s.bed.z_offset)));
+    to.setting(text!("M211 S{soft} ; {}", if s.soft_endstops { "ON" } else { "OFF" }));
+    to.named_setting(text!("SET_GCODE_OFFSET Z={}", exact(s.bed.z_offset)));
     // M851 means nothing without a probe.
     for setting in Setting::others().filter(|setting| s.probe.is_fitted() || *setting != Setting::Plain(851)) {
         report_setting(to, setting, s);
     }
     let lookahead = shortest(s.lookahead_time);
-    to.remark(format_args!("Look-ahead: {lookahead} s"));
+    to.remark(text!("Look-ahead: {lookahead} s"));
 }
 
 /// The line or lines of one setting.
 pub(in crate::machine) fn report_setting(to: &mut Speaker<'_>, setting: Setting, s: &Settings) {
     match setting {
-        Setting::Plain(code) => to.setting(format_args!("{}", PlainSetting { code, s })),
+        Setting::Plain(code) => to.setting(text!("{}", PlainSetting { code, s })),
         Setting::VelocityLimit => {
             let ratio = shortest(s.minimum_cruise_ratio);
-            to.named_setting(format_args!("SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO={ratio}"));
+            to.named_setting(text!("SET_VELOCITY_LIMIT MINIMUM_CRUISE_RATIO={ratio}"));
         }
         Setting::Shapers => {
             report_shaper(to, 'X', s.shapers.x);
             report_shaper(to, 'Y', s.shapers.y);
         }
         Setting::Advance => {
-            to.setting(format_args!("M900 K{}", shortest(s.advance.time)));
+            to.setting(text!("M900 K{}", shortest(s.advance.time)));
             match s.advance.window {
-                Some(window) => to.setting(format_args!("M572 W{}", shortest(window))),
-                None => to.setting(format_args!("M572 W0 ; auto: {} s", shortest(advance_window(s)))),
+                Some(window) => to.setting(text!("M572 W{}", shortest(window))),
+                None => to.setting(text!("M572 W0 ; auto: {} s", shortest(advance_window(s)))),
             }
         }
         // A single screw needs no place.
@@ -68,7 +68,7 @@ pub(in crate::machine) fn report_setting(to: &mut Speaker<'_>, setting: Setting,
             for (number, screw) in s.screws.iter().take(s.screw_motors().len()).enumerate() {
                 let places = [('S', screw.point), ('W', screw.place)];
                 for (letter, WholePlace { x, y }) in places.into_iter().filter(|(_, place)| place.is_known()) {
-                    to.setting(format_args!("M422 {letter}{} X{x} Y{y}", number + 1));
+                    to.setting(text!("M422 {letter}{} X{x} Y{y}", number + 1));
                 }
             }
         }
@@ -76,14 +76,14 @@ pub(in crate::machine) fn report_setting(to: &mut Speaker<'_>, setting: Setting,
         Setting::Levelling => {
             let is_on = s.mesh.is_on;
             let (on, state) = (u8::from(is_on), if is_on { "ON" } else { "OFF" });
-            to.setting(format_args!("M420 S{on} Z{} ; Leveling {state}", exact(s.mesh.fade)));
+            to.setting(text!("M420 S{on} Z{} ; Leveling {state}", exact(s.mesh.fade)));
         }
     }
 }
 
 /// Says the line of a command that takes a number for each axis.
 fn report_axes(to: &mut Speaker<'_>, code: &'static str, values: [Number; 4]) {
-    to.setting(format_args!("{}", Words::of_axes(code, values)));
+    to.setting(text!("{}", Words::of_axes(code, values)));
 }
 
 /// Where an axis can be: one number if it begins at 0.
@@ -101,9 +101,9 @@ impl Display for Reach {
 
 /// M503, the part that only a machine file sets, as comments: the reachable space, and how its axes are homed.
 fn report_space(to: &mut Speaker<'_>, s: &Settings) {
-    to.remark(format_args!("machine: {}", s.name));
+    to.remark(text!("machine: {}", s.name));
     let [x, y, z] = HomedAxis::ALL.map(|axis| Reach(s.reach(axis)));
-    to.remark(format_args!("reachable: X{x} Y{y} Z{z} mm"));
+    to.remark(text!("reachable: X{x} Y{y} Z{z} mm"));
     let Bed { width, depth, left, front, z_offset: _ } = s.bed;
     let (width, depth, left, front) = (exact(width), exact(depth), exact(left), exact(front));
     let Belt {
@@ -118,26 +118,26 @@ fn report_space(to: &mut Speaker<'_>, s: &Settings) {
         limp_lift,
     } = s.belt;
     let (alignment, preload) = (alignment.name(), exact(preload));
-    to.remark(format_args!(
+    to.remark(text!(
         "motors of one belt get power {settling_ms} ms apart; alignment {alignment}, preload {preload} mm"
     ));
     if limp_lift > Mm::ZERO {
         let lift = exact(limp_lift);
-        to.remark(format_args!("if a motor of a belt fails, z is raised by {lift} mm and the tool parked"));
+        to.remark(text!("if a motor of a belt fails, z is raised by {lift} mm and the tool parked"));
     } else {
-        to.remark(format_args!("if a motor of a belt fails, all power is cut"));
+        to.remark(text!("if a motor of a belt fails, all power is cut"));
     }
     for phase in phases.into_iter().filter(|phase| *phase < Belt::NO_PHASE) {
-        to.remark(format_args!("aligned at a phase of {phase}/1024 of an electrical turn"));
+        to.remark(text!("aligned at a phase of {phase}/1024 of an electrical turn"));
     }
     if is_closed {
         let (speed, acceleration) = (shortest(max_speed), shortest(max_acceleration));
         let advance = exact(homing_advance);
-        to.remark(format_args!(
+        to.remark(text!(
             "closed belt: C up to {speed} mm/s, {acceleration} mm/s2; it runs on by {advance} mm after homing"
         ));
     }
-    to.remark(format_args!("bed: {width} x {depth} mm from X{left} Y{front}"));
+    to.remark(text!("bed: {width} x {depth} mm from X{left} Y{front}"));
     report_pause(to, &s.pause);
     for axis in s.homing_order {
         let (homing, endstop) = (s.homing.of(axis), s.endstops.of(axis));
@@ -147,16 +147,16 @@ fn report_space(to: &mut Speaker<'_>, s: &Settings) {
             AxisEnd::Max => "up",
         };
         if axis == HomedAxis::Z && s.homes_z_by_probe() {
-            to.remark(format_args!("homing Z: by the probe"));
+            to.remark(text!("homing Z: by the probe"));
             continue;
         }
         let (axis, at) = (axis.letter(), exact(endstop.position));
-        to.remark(format_args!("homing {axis}: {direction} to {at} mm, {fast} mm/s, {back} mm back, {slow} mm/s"));
+        to.remark(text!("homing {axis}: {direction} to {at} mm, {fast} mm/s, {back} mm back, {slow} mm/s"));
     }
     report_z_home(to, s);
-    to.remark(format_args!("serial lines: {} baud", s.baud));
-    let needed = if s.require_homing { "needed before moves" } else { "not needed before moves" };
-    to.remark(format_args!("homing is {needed}"));
+    to.remark(text!("serial lines: {} baud", s.baud));
+    let needed = if s.require_homing { packed!("needed before moves") } else { packed!("not needed before moves") };
+    to.remark(text!("homing is {needed}"));
 }
 
 /// M503, where Z is homed by its switch, and what comes before and after.
@@ -164,14 +164,14 @@ fn report_z_home(to: &mut Speaker<'_>, s: &Settings) {
     let home = s.safe_z_home;
     for (axis, at) in ['X', 'Y'].into_iter().zip(home.place).filter(|_| s.homes_z_at_place()) {
         if let Some(at) = at {
-            to.remark(format_args!("homing Z: at {axis}{}", exact(at)));
+            to.remark(text!("homing Z: at {axis}{}", exact(at)));
         }
     }
     if home.z_hop > Mm::ZERO {
-        to.remark(format_args!("homing: Z rises to {} mm before and after", exact(home.z_hop)));
+        to.remark(text!("homing: Z rises to {} mm before and after", exact(home.z_hop)));
     }
     if home.move_to_previous {
-        to.remark(format_args!("homing Z: X and Y return"));
+        to.remark(text!("homing Z: X and Y return"));
     }
 }
 
@@ -180,14 +180,14 @@ fn report_pause(to: &mut Speaker<'_>, pause: &Pause) {
     let [retract, lift, x, y] = [pause.retract, pause.lift, pause.x, pause.y].map(exact);
     let [back, forth, travel] = [pause.retract_speed, pause.unretract_speed, pause.travel_speed].map(shortest);
     let minutes = pause.heat_off_min;
-    to.remark(format_args!(
+    to.remark(text!(
         "pause: {retract} mm of filament back at {back} mm/s, forth at {forth} mm/s, lift {lift} mm, \
          heat off after {minutes} min"
     ));
     if pause.park {
-        to.remark(format_args!("pause: parked at X{x} Y{y}, {travel} mm/s"));
+        to.remark(text!("pause: parked at X{x} Y{y}, {travel} mm/s"));
     } else {
-        to.remark(format_args!("pause: not parked"));
+        to.remark(text!("pause: not parked"));
     }
 }
 
@@ -195,9 +195,9 @@ fn report_pause(to: &mut Speaker<'_>, pause: &Pause) {
 fn report_driver_settings(to: &mut Speaker<'_>, s: &Settings) {
     let groups = s.drivers;
     // Marlin's heading; with it a BTT TFT requests M569.
-    to.remark(format_args!("Driver stepping mode:"));
+    to.remark(text!("Driver stepping mode:"));
     for (group, axes) in [(groups.belt, "X Y"), (groups.z, "Z"), (groups.e, "E")] {
-        to.setting(format_args!("M569 S{} {axes}", u8::from(group.stealth)));
+        to.setting(text!("M569 S{} {axes}", u8::from(group.stealth)));
     }
     for value in [DriverValue::Current, DriverValue::HybridThreshold, DriverValue::StallThreshold] {
         let [belt, z, e] = [groups.belt, groups.z, groups.e].map(|group| value.number(&group));
@@ -213,8 +213,8 @@ fn report_own_values(to: &mut Speaker<'_>, value: DriverValue, s: &Settings) {
         let axis = s.mechanism.axis_of(motor).unwrap_or_default();
         let place = s.single_drivers(axis).iter().position(|single| single == motor);
         match (place, "XYZE".chars().nth(axis)) {
-            (Some(place), Some(letter)) => to.setting(format_args!("{code} I{place} {letter}{number}")),
-            _ => to.remark(format_args!("{code} of motor {}: {number}", s.name_of(motor))),
+            (Some(place), Some(letter)) => to.setting(text!("{code} I{place} {letter}{number}")),
+            _ => to.remark(text!("{code} of motor {}: {number}", s.name_of(motor))),
         }
     }
 }
@@ -235,7 +235,7 @@ const fn name_of(kind: ShaperKind) -> Option<ShaperName> {
 pub(super) fn report_shaper(to: &mut Speaker<'_>, axis: char, shaper: Shaper) {
     let (frequency, damping) = (shortest(shaper.frequency), shortest(shaper.damping));
     match name_of(shaper.kind).map(|name| name as usize) {
-        Some(number) => to.setting(format_args!("M593 {axis} F{frequency} D{damping} T{number}")),
-        None => to.setting(format_args!("M593 {axis} F0")),
+        Some(number) => to.setting(text!("M593 {axis} F{frequency} D{damping} T{number}")),
+        None => to.setting(text!("M593 {axis} F0")),
     }
 }

@@ -7,27 +7,27 @@ use crate::storage::Rejected;
 /// Reports news of the storage.
 pub(in crate::machine) fn report_storage(to: &mut Speaker<'_>, news: &StorageNews) {
     match *news {
-        StorageNews::Saved(receipt) => to.say(format_args!("echo:Settings Stored {receipt}")),
-        StorageNews::NoMachine(why) => to.say(format_args!("echo:Settings not stored: {why}")),
-        StorageNews::NotSaved(error) => to.say(format_args!("echo:Settings not stored: {error}")),
+        StorageNews::Saved(receipt) => to.say(text!("echo:Settings Stored {receipt}")),
+        StorageNews::NoMachine(why) => to.say(text!("echo:Settings not stored: {why}")),
+        StorageNews::NotSaved(error) => to.say(text!("echo:Settings not stored: {error}")),
         StorageNews::MachineWaits => {
-            to.say(format_args!(
+            to.say(text!(
                 "echo:Settings not stored: a new machine is stored, which takes effect after the next \
                 reset"
             ));
         }
-        StorageNews::NotLoaded(why) => to.say(format_args!("echo:Settings unchanged: {why}")),
-        StorageNews::Unchanged(error) => to.say(format_args!("echo:Settings unchanged: {error}")),
-        StorageNews::Unanswered(error) => to.say(format_args!("echo:{error}")),
+        StorageNews::NotLoaded(why) => to.say(text!("echo:Settings unchanged: {why}")),
+        StorageNews::Unchanged(error) => to.say(text!("echo:Settings unchanged: {error}")),
+        StorageNews::Unanswered(error) => to.say(text!("echo:{error}")),
         StorageNews::Unreadable(error) => {
-            to.say(format_args!("echo:{error}"));
+            to.say(text!("echo:{error}"));
             report_defaults(to);
         }
         StorageNews::Loaded { rejected, receipt, unknown } => {
             report_rejected(to, rejected);
             report_unknown(to, unknown);
             match receipt {
-                Some(receipt) => to.say(format_args!("echo:stored settings retrieved {receipt}")),
+                Some(receipt) => to.say(text!("echo:stored settings retrieved {receipt}")),
                 None => report_defaults(to),
             }
         }
@@ -35,8 +35,8 @@ pub(in crate::machine) fn report_storage(to: &mut Speaker<'_>, news: &StorageNew
             report_rejected(to, rejected);
             report_unknown(to, unknown);
             match receipt {
-                Some(receipt) => to.say(format_args!("echo:stored settings valid {receipt}")),
-                None => to.say(format_args!("echo:no valid settings stored")),
+                Some(receipt) => to.say(text!("echo:stored settings valid {receipt}")),
+                None => to.say(text!("echo:no valid settings stored")),
             }
         }
         StorageNews::Defaults => report_defaults(to),
@@ -44,13 +44,13 @@ pub(in crate::machine) fn report_storage(to: &mut Speaker<'_>, news: &StorageNew
 }
 
 fn report_defaults(to: &mut Speaker<'_>) {
-    to.say(format_args!("echo:Hardcoded Default Settings Loaded"));
+    to.say(text!("echo:Hardcoded Default Settings Loaded"));
 }
 
 /// Names stored settings that this firmware does not have; 0 is none.
 fn report_unknown(to: &mut Speaker<'_>, ids: [u16; 4]) {
     for id in ids.into_iter().filter(|id| *id > 0) {
-        to.say(format_args!("echo:stored setting {id} is of later firmware: kept, not used"));
+        to.say(text!("echo:stored setting {id} is of later firmware: kept, not used"));
     }
 }
 
@@ -58,7 +58,7 @@ fn report_unknown(to: &mut Speaker<'_>, ids: [u16; 4]) {
 fn report_rejected(to: &mut Speaker<'_>, slots: Slots) {
     for (slot, why) in slots {
         if let Some(why) = why.filter(|why| *why != Rejected::Blank) {
-            to.say(format_args!("echo:storage slot {slot} not used: {why}"));
+            to.say(text!("echo:storage slot {slot} not used: {why}"));
         }
     }
 }

@@ -86,7 +86,7 @@ pub(in crate::machine) async fn test_resonances<P: PortSet, W: Pend>(
     words: &SweepWords,
 ) -> Result<Answer<'static>, Interrupt> {
     if main_loop.job.is_under_way() {
-        return Ok(Answer::Line("echo:sweep ignored: a print is under way"));
+        return Ok(Answer::Line(packed!("echo:sweep ignored: a print is under way")));
     }
     main_loop.finish().await?;
     if main_loop.homed.lacks_one_of([true, true, false]) {

@@ -10,6 +10,7 @@ use crate::machine::numbers::{nearest, shortest, shortest_with, to_thousandth};
 use crate::machine::state::modal::Modal;
 use crate::settings::rows::Legal;
 use crate::settings::{Range, plain, ranges};
+use crate::text::Packed;
 use crate::units::{Feed, MmPerSec, Quantity};
 use core::fmt;
 use fixed::types::I32F32;
@@ -35,24 +36,25 @@ struct Rule {
     below: Beyond,
     above: Beyond,
     /// The likely meaning of a value above the range.
-    hint: &'static str,
+    hint: Option<Packed>,
 }
 
 const fn edge(code: &'static str) -> Rule {
-    Rule { code, words: &[], below: Beyond::Edge, above: Beyond::Edge, hint: "" }
+    Rule { code, words: &[], below: Beyond::Edge, above: Beyond::Edge, hint: None }
 }
 
 const fn off_below(code: &'static str) -> Rule {
     Rule { below: Beyond::Edge, above: Beyond::Kept, ..edge(code) }
 }
 
-const fn hinted(code: &'static str, hint: &'static str) -> Rule {
-    Rule { below: Beyond::Kept, above: Beyond::Kept, hint, ..edge(code) }
+const fn hinted(code: &'static str, hint: Packed) -> Rule {
+    Rule { below: Beyond::Kept, above: Beyond::Kept, hint: Some(hint), ..edge(code) }
 }
 
 /// The likely meaning of a K too large for seconds: 20 to 200 in profiles of Linear Advance 1.0, 0 to 2 in profiles of
 /// 1.5.
-const SECONDS: &str = "K is in seconds (Linear Advance 1.5); a profile for Linear Advance 1.0 means another unit";
+const SECONDS: Packed =
+    packed!("K is in seconds (Linear Advance 1.5); a profile for Linear Advance 1.0 means another unit");
 
 /// All words with a rule other than keeping the old value, or with a hint.
 const RULES: [Rule; 17] = [
@@ -80,7 +82,7 @@ const RULES: [Rule; 17] = [
     off_below("M190"),
     off_below("M191"),
     hinted("M900", SECONDS),
-    hinted("M203", "speeds are in mm/s"),
+    hinted("M203", packed!("speeds are in mm/s")),
 ];
 
 impl Rule {
@@ -116,15 +118,15 @@ impl fmt::Display for Clamp {
         let Self { word: [code, name], asked, legal: [least, most], outcome } = self;
         let gap = if code.is_empty() { "" } else { " " };
         match outcome {
-            Outcome::Set(set) => write!(f, "{code}{gap}{name}{asked} is out of range, set to {set}"),
-            Outcome::Stays(old) => write!(f, "{code}{gap}{name}{asked} is out of range, stays {old}"),
+            Outcome::Set(set) => put!(f, "{code}{gap}{name}{asked} is out of range, set to {set}"),
+            Outcome::Stays(old) => put!(f, "{code}{gap}{name}{asked} is out of range, stays {old}"),
             Outcome::Refused(old) => {
-                write!(f, "{code} ignored: {name}{asked} is out of range ({least} to {most})")?;
+                put!(f, "{code} ignored: {name}{asked} is out of range ({least} to {most})")?;
                 if let Some(old) = old {
-                    write!(f, ", stays {old}")?;
+                    put!(f, ", stays {old}")?;
                 }
                 match Rule::of(self.word) {
-                    Some(rule) if !rule.hint.is_empty() && asked > most => write!(f, "; {}", rule.hint),
+                    Some(Rule { hint: Some(hint), .. }) if asked > most => write!(f, "; {hint}"),
                     _ => Ok(()),
                 }
             }

@@ -96,18 +96,19 @@ fn um(length: Mm) -> Number {
 impl fmt::Display for ProbeFailure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
-            Self::OutOfReach { at: [x, y] } => write!(f, "the probe cannot touch at X{} Y{}", um(x), um(y)),
-            Self::Triggered => f.write_str(
+            Self::OutOfReach { at: [x, y] } => put!(f, "the probe cannot touch at X{} Y{}", um(x), um(y)),
+            Self::Triggered => put!(
+                f,
                 "the probe reads as triggered above the bed. Check that it is out, its wire, and the ! of \
-                endstops.probe (M119)",
+                endstops.probe (M119)"
             ),
-            Self::NotMet { floor, expected } => write!(
+            Self::NotMet { floor, expected } => put!(
                 f,
                 "the probe did not trigger down to Z{}, expected at Z{}. Check its wire, and its offset (M851)",
                 um(floor),
                 um(expected)
             ),
-            Self::NotWhereItWas { floor, expected } => write!(
+            Self::NotWhereItWas { floor, expected } => put!(
                 f,
                 "the probe did not trigger down to Z{}, expected at Z{}. Check its wire. If the bed is lower now, send \
                 M84 and home again",
@@ -115,18 +116,19 @@ impl fmt::Display for ProbeFailure {
                 um(expected)
             ),
             Self::NotFound { way } => {
-                write!(f, "the probe did not trigger within {} mm. Check that it is out, and its wire", um(way))
+                put!(f, "the probe did not trigger within {} mm. Check that it is out, and its wire", um(way))
             }
-            Self::NotTakenIn => f.write_str(
-                "the probe's pin did not go in, or its alarm does not end. Check the pin, and the servo's wire (M280)",
+            Self::NotTakenIn => put!(
+                f,
+                "the probe's pin did not go in, or its alarm does not end. Check the pin, and the servo's wire (M280)"
             ),
-            Self::Early { height, expected } => write!(
+            Self::Early { height, expected } => put!(
                 f,
                 "the probe triggered {} mm above the bed, expected at Z{}. Check what it met, its wire, and home Z again",
                 um(height),
                 um(expected)
             ),
-            Self::Spread { spread, tolerance } => write!(
+            Self::Spread { spread, tolerance } => put!(
                 f,
                 "touches of the probe differ by {} mm, allowed are {} mm. Check that probe and bed sit firmly, or raise \
                 probe.tolerance",
@@ -171,20 +173,20 @@ impl JobEnd {
 impl fmt::Display for HomingFailure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NotConnected => f.write_str("has no endstop on this board. Name its connector in the machine file"),
+            Self::NotConnected => put!(f, "has no endstop on this board. Name its connector in the machine file"),
             Self::NeedsOthers => {
-                f.write_str("is homed at a place in X and Y, and one of them is not homed. Home them too (G28)")
+                put!(f, "is homed at a place in X and Y, and one of them is not homed. Home them too (G28)")
             }
             Self::OutOfReach { at: [x, y] } => {
-                write!(f, "is homed by the probe, which cannot touch at X{} Y{}. Correct probe.home", um(*x), um(*y))
+                put!(f, "is homed by the probe, which cannot touch at X{} Y{}. Correct probe.home", um(*x), um(*y))
             }
             Self::NozzleOutOfReach { at: [x, y] } => {
-                write!(f, "is homed at X{} Y{}, where the nozzle cannot be. Correct safe_z_home", um(*x), um(*y))
+                put!(f, "is homed at X{} Y{}, where the nozzle cannot be. Correct safe_z_home", um(*x), um(*y))
             }
             Self::NotMet { way } => {
-                write!(f, "endstop was not met within {way} mm. Check its switch, its plug and its wire")
+                put!(f, "endstop was not met within {way} mm. Check its switch, its plug and its wire")
             }
-            Self::StillPressed { back_off } => write!(
+            Self::StillPressed { back_off } => put!(
                 f,
                 "endstop was still pressed after backing off {back_off} mm. Check its switch, its wire, and that the \
                 axis moves away from it"
@@ -196,22 +198,23 @@ impl fmt::Display for HomingFailure {
 impl fmt::Display for JobEnd {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Cancelled => f.write_str("its user cancelled it"),
-            Self::Unreachable { heater, at, target } => write!(
+            Self::Cancelled => put!(f, "its user cancelled it"),
+            Self::Unreachable { heater, at, target } => put!(
                 f,
                 "{} stays at {at} C and does not reach {target} C. Choose a lower target, or check its heater, its \
                 supply and draughts",
                 heater.name()
             ),
             Self::Unread { heater } => {
-                write!(f, "{} has no reading. Check its sensor, its plug and its wire", heater.name())
+                put!(f, "{} has no reading. Check its sensor, its plug and its wire", heater.name())
             }
             Self::Refused { why } => write!(f, "{why}"),
-            Self::NotHomed { axis, why } => write!(f, "homing failed: {} {why}", axis.letter()),
-            Self::ProbeFailed { why } => write!(f, "probing failed: {why}"),
+            Self::NotHomed { axis, why } => put!(f, "homing failed: {} {why}", axis.letter()),
+            Self::ProbeFailed { why } => put!(f, "probing failed: {why}"),
             Self::NotLevel(why) => write!(f, "{why}"),
-            Self::Conditional => f.write_str(
-                "a line decides which lines run, and this firmware cannot skip lines. Slice for Marlin, or remove it",
+            Self::Conditional => put!(
+                f,
+                "a line decides which lines run, and this firmware cannot skip lines. Slice for Marlin, or remove it"
             ),
         }
     }

@@ -26,16 +26,16 @@ pub(in crate::machine) enum LevelFailure {
 
 impl fmt::Display for LevelFailure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("G34 aborted. ")?;
+        put!(f, "G34 aborted. ")?;
         match *self {
-            Self::NotNearer { was, now } => write!(
+            Self::NotNearer { was, now } => put!(
                 f,
                 "Decreasing accuracy: {} mm between screws before they turned, {} mm after, so the turns were taken \
                 back. Check that the cables of the z motors are not swapped, and the places of M422",
                 Thousandths(was),
                 Thousandths(now)
             ),
-            Self::TooFar { now } => write!(
+            Self::TooFar { now } => put!(
                 f,
                 "{} mm between screws is too much to turn. Level them by hand first, and check the probe",
                 Thousandths(now)

@@ -65,7 +65,7 @@ pub(in crate::motion) struct Full;
 
 impl core::fmt::Display for Full {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str("the look-ahead is full")
+        put!(f, "the look-ahead is full")
     }
 }
 

@@ -1,12 +1,14 @@
 //! The heat of the simulated machine as commands and files define it: the true values of its heaters (`truth`), and its
-//! accidents with their times.
+//! accidents with their times (`accident`).
 //!
 //! By default, the heat plant follows the machine's settings. Then the firmware never meets heaters that differ from
 //! its settings. With `--plant-heat` the heaters have their own values, and the firmware has to find out.
 
+pub mod accident;
 pub mod truth;
 
-use crate::accident::Accident;
+pub use accident::{Accident, AccidentError};
+
 use corehbot_rig::plant::PlantConstants;
 
 /// The heaters' true values, and their accidents.

@@ -10,6 +10,7 @@
 
 use super::angle::{TURN, cos_sin, direction};
 use crate::gcode::{ArcShape, Plane};
+use crate::text::Packed;
 use crate::units::{Mm, mul_div, part_of, wide_root};
 
 /// Why there is no such arc.
@@ -29,13 +30,15 @@ pub(in crate::machine) enum ArcError {
 
 impl ArcError {
     /// The message to the host.
-    pub const fn text(self) -> &'static str {
+    pub const fn text(self) -> Packed {
         match self {
-            Self::MissingCentre => "echo:arc ignored: give I and J, or R",
-            Self::OffPlane => "echo:arc ignored: its centre is not in its plane (G17: I J, G18: I K, G19: J K)",
-            Self::ZeroRadius => "echo:arc ignored: its radius is 0",
-            Self::TooLarge => "echo:arc ignored: too large, or too many turns",
-            Self::NoSuchCircle => "echo:arc ignored: no circle of that R passes through both ends",
+            Self::MissingCentre => packed!("echo:arc ignored: give I and J, or R"),
+            Self::OffPlane => {
+                packed!("echo:arc ignored: its centre is not in its plane (G17: I J, G18: I K, G19: J K)")
+            }
+            Self::ZeroRadius => packed!("echo:arc ignored: its radius is 0"),
+            Self::TooLarge => packed!("echo:arc ignored: too large, or too many turns"),
+            Self::NoSuchCircle => packed!("echo:arc ignored: no circle of that R passes through both ends"),
         }
     }
 }

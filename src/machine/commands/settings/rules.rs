@@ -108,7 +108,7 @@ fn check_resolutions(_: &PlainWords, s: &mut Settings, _: &mut Notices) -> Endin
 
 fn say_lowered(to: &mut Speaker<'_>, _: &Facts<'_>) {
     let most = ranges::STEP_RATE.whole();
-    to.say(format_args!("echo:M92 lowered speed limits, a motor steps {most} times a second at most"));
+    to.say(text!("echo:M92 lowered speed limits, a motor steps {most} times a second at most"));
 }
 
 /// M205: J sets junction deviation. A jerk of X or Y without J is a square-corner velocity, because a corner of 90
@@ -144,7 +144,7 @@ fn remark_on_corners(words: &PlainWords, s: &mut Settings, notices: &mut Notices
     if !(is_doubtful || min_segment.is_some()) || !notices.give(Notice::Corners) {
         return Ending::Done;
     }
-    Ending::Remark(Answer::Line("echo:M205: one value for X and Y, the lesser, or J instead; B is not used"))
+    Ending::Remark(Answer::Line(packed!("echo:M205: one value for X and Y, the lesser, or J instead; B is not used")))
 }
 
 /// M301: a gain selects PID, as a number of M306 selects the model.

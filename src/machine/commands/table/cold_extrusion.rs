@@ -35,9 +35,9 @@ pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
     if !hotend.is_fitted {
         let forbids = least.is_some_and(|least| least > Number::ZERO) || allow == Some(false);
         return Answer::Line(if forbids {
-            "echo:Cold extrudes are enabled, and cannot be forbidden without a heater"
+            packed!("echo:Cold extrudes are enabled, and cannot be forbidden without a heater")
         } else {
-            "echo:Cold extrudes are enabled"
+            packed!("echo:Cold extrudes are enabled")
         });
     }
     if least.is_none() && allow.is_none() {
@@ -60,5 +60,5 @@ pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
 fn say_state(to: &mut Speaker<'_>, facts: &Facts<'_>) {
     let least = facts.settings.thermal.min_extrude;
     let state = if facts.number != 0 || least <= Celsius::ZERO { "enabled" } else { "disabled" };
-    to.say(format_args!("echo:Cold extrudes are {state} (min temp {}C)", shortest(least)));
+    to.say(text!("echo:Cold extrudes are {state} (min temp {}C)", shortest(least)));
 }

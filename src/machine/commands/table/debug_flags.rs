@@ -31,6 +31,6 @@ pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
             modal.dry_run = bits.to_u32() & DRY_RUN != 0;
             Answer::Nothing
         }
-        None => Answer::Line(if modal.dry_run { "echo:DEBUG:DRYRUN" } else { "echo:DEBUG:off" }),
+        None => Answer::Line(if modal.dry_run { packed!("echo:DEBUG:DRYRUN") } else { packed!("echo:DEBUG:off") }),
     }
 }

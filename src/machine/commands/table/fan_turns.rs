@@ -33,8 +33,8 @@ pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
 fn say_turns(to: &mut Speaker<'_>, facts: &Facts<'_>) {
     let turns = FanTurns { settings: facts.settings, heat: facts.status.heat() };
     if turns.has_any() {
-        to.say(format_args!("{turns}"));
+        to.say(text!("{turns}"));
     } else {
-        to.say(format_args!("echo:no fan has a tachometer"));
+        to.say(text!("echo:no fan has a tachometer"));
     }
 }

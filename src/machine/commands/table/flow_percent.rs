@@ -33,9 +33,8 @@ pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
             clamps.whole(["M221", "S"], number, PERCENT, &mut modal.flow_percent);
             Answer::Nothing
         }
-        None => Answer::says(
-            |to, facts| to.say(format_args!("echo:E0 Flow: {}%", facts.number)),
-            i32::from(modal.flow_percent),
-        ),
+        None => {
+            Answer::says(|to, facts| to.say(text!("echo:E0 Flow: {}%", facts.number)), i32::from(modal.flow_percent))
+        }
     }
 }

@@ -22,7 +22,7 @@ pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
     _: &OwnCommand<'a>,
 ) -> Answer<'a> {
     if main_loop.homed.lacks_one_of([true; 3]) {
-        return Answer::Line("echo:M428 ignored: home first (G28)");
+        return Answer::Line(packed!("echo:M428 ignored: home first (G28)"));
     }
     let mut offsets = main_loop.settings.home_offsets();
     for ((offset, at), axis) in offsets.iter_mut().zip(main_loop.commanded.position()).zip(HomedAxis::ALL) {
@@ -32,7 +32,7 @@ pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
             *offset = -at;
         }
         if !NEAR.holds(*offset) {
-            return Answer::Line("echo:Too far from reference point");
+            return Answer::Line(packed!("echo:Too far from reference point"));
         }
     }
     use_home_offsets(main_loop, offsets);

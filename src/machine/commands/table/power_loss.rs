@@ -18,8 +18,8 @@ pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
     command: &OwnCommand<'a>,
 ) -> Answer<'a> {
     match command.switch() {
-        Some(true) => Answer::Line("echo:Power-loss recovery OFF, this firmware cannot do it"),
+        Some(true) => Answer::Line(packed!("echo:Power-loss recovery OFF, this firmware cannot do it")),
         Some(false) => Answer::Nothing,
-        None => Answer::Line("echo:Power-loss recovery OFF"),
+        None => Answer::Line(packed!("echo:Power-loss recovery OFF")),
     }
 }

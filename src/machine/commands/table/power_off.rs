@@ -16,5 +16,5 @@ pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
     if main_loop.job.is_printing() {
         main_loop.job.end();
     }
-    Answer::Line("echo:M81: heaters and fans are off; this firmware does not switch the power supply")
+    Answer::Line(packed!("echo:M81: heaters and fans are off; this firmware does not switch the power supply"))
 }

@@ -21,7 +21,7 @@ pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
     *area = PrintArea::NONE;
     let [x, y, width, depth] = [b'X', b'Y', b'W', b'H'].map(|letter| command.number(letter));
     let (Some(x), Some(y), Some(width), Some(depth)) = (x, y, width, depth) else {
-        return Answer::Line("echo:M555 names no area: it needs X, Y, W and H");
+        return Answer::Line(packed!("echo:M555 names no area: it needs X, Y, W and H"));
     };
     let [x, y, width, depth] = [x, y, width, depth].map(|number| modal.length(number));
     *area = PrintArea::of([x, y], [x.saturating_add(width), y.saturating_add(depth)]);

@@ -36,7 +36,7 @@ pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
         (Some(screw), None) => ("S", screw),
         (None, Some(screw)) => ("W", screw),
         (Some(_), Some(_)) => {
-            return Answer::Line("echo:M422 ignored: S is a probed point, W a screw; give one of them");
+            return Answer::Line(packed!("echo:M422 ignored: S is a probed point, W a screw; give one of them"));
         }
     };
     let numbers = Range { least: 1, most: SCREWS as u16 };

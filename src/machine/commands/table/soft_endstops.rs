@@ -37,5 +37,5 @@ fn say_ends(to: &mut Speaker<'_>, facts: &Facts<'_>) {
     let reaches = HomedAxis::ALL.map(|axis| s.reach(axis));
     let [[x, to_x], [y, to_y], [z, to_z]] = reaches.map(|reach| [reach.least, reach.most].map(Hundredths::of));
     let known = if facts.number != 0 { "  (once homed)" } else { "" };
-    to.say(format_args!("Soft endstops: {state}  Min:  X{x} Y{y} Z{z}   Max:  X{to_x} Y{to_y} Z{to_z}{known}"));
+    to.say(text!("Soft endstops: {state}  Min:  X{x} Y{y} Z{z}   Max:  X{to_x} Y{to_y} Z{to_z}{known}"));
 }
