@@ -6,6 +6,7 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use corehbot::port::NoStorage;
 use corehbot::units::Mm;
+use corehbot_host::accident_args::AccidentArgs;
 use corehbot_host::bed_args::BedArgs;
 use corehbot_host::heat_args::HeatArgs;
 use corehbot_host::input::{GcodeFile, Plate};
@@ -24,7 +25,7 @@ use corehbot_report::path::{Stored, ToolPath};
 use corehbot_report::print;
 use corehbot_report::summary::{Names, Summary};
 use corehbot_rig::bed::BedPlant;
-use corehbot_sim::bed_plant::ProbeAccident;
+use corehbot_sim::accident::Accident;
 use corehbot_sim::belt::BeltPlant;
 use corehbot_sim::check::Findings;
 use corehbot_sim::drivers::Drivers;
@@ -65,6 +66,8 @@ pub(crate) struct Run {
     #[command(flatten)]
     plant: PlantArgs,
     #[command(flatten)]
+    accidents: AccidentArgs,
+    #[command(flatten)]
     heat: HeatArgs,
     #[command(flatten)]
     bed: BedArgs,
@@ -83,7 +86,7 @@ pub(crate) struct Prepared {
     belt: Option<Box<BeltPlant>>,
     heat: HeatSetup,
     bed: Option<Box<BedPlant>>,
-    probe_accidents: Vec<ProbeAccident>,
+    probe_accidents: Vec<Accident>,
     eeprom: Option<Eeprom>,
     stop: Stop,
     outputs: Outputs,
@@ -96,10 +99,10 @@ pub(crate) struct Prepared {
 impl Prepared {
     pub fn new(args: &Run) -> Result<Self> {
         let machine = args.printer.machine()?;
-        let belt = args.plant.belt(&machine, args.printer.assume_homed)?;
-        let heat = args.heat.setup(&machine.settings)?;
+        let breaks = args.accidents.read(&machine.settings, args.plant.has_belts())?;
+        let belt = args.plant.belt(&machine, args.printer.assume_homed, &breaks)?;
+        let (heat, probe_accidents) = (args.heat.setup(&machine.settings, breaks.heat)?, breaks.probe);
         let bed = args.bed.plant(&machine.settings)?;
-        let probe_accidents = args.heat.probe_accidents(&machine.settings)?;
         // Until standard input has been read, Ctrl-C ends the process: there is nothing yet to be left in order.
         let mut file = GcodeFile::open(&args.file, args.plate)?;
         let stop = Stop::at_signals()?;

@@ -2,6 +2,8 @@
 // Clippy sees no test in the helpers here.
 #![allow(clippy::unwrap_used)]
 
+#[path = "cli/accidents.rs"]
+mod accidents;
 #[path = "cli/belt.rs"]
 mod belt;
 
@@ -285,15 +287,6 @@ fn heaters_are_what_a_file_says() {
     assert!(err.contains("2:12: hotend.capacity = -12 is outside 1 to 100000 J/K"), "{err}");
     let bare = corehbot().arg("run").arg(example("axes.gcode")).arg("--plant-heat").arg(&truth).output().unwrap();
     assert!(text(&bare.stderr).contains("the machine has no heater; fit one"), "{}", text(&bare.stderr));
-}
-
-/// The table of docs/explanation/heat.md equals the program's.
-#[test]
-fn every_accident_of_heat_is_in_the_docs() {
-    let docs = std::fs::read_to_string(example("../docs/explanation/heat.md")).unwrap();
-    for kind in corehbot_sim::heat_plant::accident::KINDS {
-        assert!(docs.contains(&format!("| `{}` | {} |", kind.name, kind.says)), "{}: {}", kind.name, kind.says);
-    }
 }
 
 #[test]

@@ -25,6 +25,7 @@ use anyhow::{Result, bail, ensure};
 use clap::Parser;
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
+use corehbot_host::accident_args::AccidentArgs;
 use corehbot_host::heat_args::HeatArgs;
 use corehbot_host::input::{self, Plate};
 use corehbot_host::output::{Outputs, STANDARD, Stream};
@@ -87,6 +88,8 @@ struct Cli {
     /// The load on the motors.
     #[command(flatten)]
     plant: PlantArgs,
+    #[command(flatten)]
+    accidents: AccidentArgs,
     #[command(flatten)]
     heat: HeatArgs,
     /// Virtual time after which a print is given up, in s.
@@ -158,12 +161,10 @@ fn prepare(cli: &Cli) -> Result<Prepared> {
         SettingsMemory::Flash => firmware.put_machine(&mut settings)?,
     }
     let gcode = cli.file.as_deref().map(|file| input::read(file, Plate::default())).transpose()?.unwrap_or_default();
-    let (heat, plugs) = (cli.heat.setup(&settings)?, cli.around.plugs(&settings)?);
-    ensure!(
-        cli.heat.probe_accidents(&settings)?.is_empty(),
-        "--break: a probe does not break here; `corehbot serve` has that"
-    );
-    let belt = cli.plant.setup(&twin)?;
+    let breaks = cli.accidents.read(&settings, cli.plant.has_belts())?;
+    ensure!(breaks.probe.is_empty(), "--break: a probe does not break here; `corehbot serve` has that");
+    let belt = cli.plant.setup(&twin, &breaks)?;
+    let (heat, plugs) = (cli.heat.setup(&settings, breaks.heat)?, cli.around.plugs(&settings)?);
     let inputs = [Some(&cli.elf), cli.file.as_ref(), cli.settings.as_ref()];
     let mut outputs = Outputs::new(inputs.into_iter().flatten().map(PathBuf::as_path), Stop::default());
     let mut open = |path: &Option<PathBuf>| match path.as_deref() {

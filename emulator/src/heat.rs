@@ -11,8 +11,9 @@ use corehbot::port::ThermalPort;
 use corehbot::settings::Settings;
 use corehbot_rig::heat::Heat;
 use corehbot_rig::plant::PlantFaults;
+use corehbot_sim::accident::Accident;
 use corehbot_sim::hand::WARM;
-use corehbot_sim::heat_plant::{Accident, HeatSetup};
+use corehbot_sim::heat_plant::HeatSetup;
 use rigless::time::VirtualNanos;
 use std::collections::VecDeque;
 
@@ -139,7 +140,7 @@ impl HeatWatch {
             heat,
             is_heated: settings.thermal.has_heater(),
             mishap: climate.mishap,
-            accidents: setup.accidents.iter().copied().collect(),
+            accidents: setup.accidents.iter().cloned().collect(),
             tachometer: climate.tachometer,
             heaters: [Meter::default(); OUTPUTS],
             fans: [Meter::default(); FANS],

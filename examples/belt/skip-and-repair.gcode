@@ -1,6 +1,6 @@
 ; Motors skip and are set right. On the belt plant, something in the way of the tool, or a motor that is held for 14 ms:
-;   corehbot run examples/belt/skip-and-repair.gcode --plant belt --seed 7 --hit 190,203.8,180,14 --brake m11,5
-;   corehbot run examples/belt/skip-and-repair.gcode --plant belt --seed 7 --brake m11,170,57.36,14
+;   corehbot run examples/belt/skip-and-repair.gcode --plant belt --seed 7 --hit 190,203.8,180,14 --break rub:m11:5N@0s
+;   corehbot run examples/belt/skip-and-repair.gcode --plant belt --seed 7 --break rub:m11:170N@57.36s+0.014s
 G28
 G1 Z5 F900
 M915                  ; the motors of the belt are aligned

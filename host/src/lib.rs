@@ -12,10 +12,12 @@
 //! | [`serial`] | lines to boards, and pseudo-terminals for hosts |
 //! | [`image`] | the machine in an image's bytes |
 //! | [`bed_args`], [`heat_args`], [`plant_args`] | the simulated machine that options ask for |
+//! | [`accident_args`] | what breaks in it |
 //! | [`values`], [`examples`] | readers of words on the command line; examples in its help |
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
+pub mod accident_args;
 pub mod answer;
 pub mod bed_args;
 pub mod examples;

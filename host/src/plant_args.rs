@@ -4,7 +4,7 @@ use anyhow::Result;
 use clap::{Args, ValueEnum};
 use corehbot::units::Mm;
 use corehbot_machine_file::Machine;
-use corehbot_sim::asked::Belts;
+use corehbot_sim::asked::{Belts, Breaks};
 use corehbot_sim::belt::{BeltPlant, BeltSetup};
 use corehbot_twin::description::Description;
 
@@ -15,7 +15,7 @@ enum Plant {
     Belt,
 }
 
-/// The plant, and its accidents.
+/// The plant, and what is in its way.
 #[derive(Args)]
 pub struct PlantArgs {
     /// The plant that the motors turn; without it, a rigid machine.
@@ -28,37 +28,34 @@ pub struct PlantArgs {
     /// repeated.
     #[arg(long, value_name = "X,Y,N,MS", requires = "plant", allow_hyphen_values = true)]
     hit: Vec<String>,
-    /// A belt motor, by its name in the machine file (m1, m4, m8, m11), rubs with N newtons at the belt, from second S
-    /// of motion time on, for good or for MS milliseconds. May be repeated.
-    #[arg(long, value_name = "MOTOR,N[,S[,MS]]", requires = "plant", allow_hyphen_values = true)]
-    brake: Vec<String>,
-    /// A part breaks at second TIME of motion time: `seized`, `loose`, `jump` or `cord`, at a belt motor by its name in
-    /// the machine file or a pulley by its number in `twin geometry`. Such as `seized:7@20s`, `loose:m1:15N@20s+5s`,
-    /// `jump:m8:-1@1m` or `cord:m1:50%@20s`; docs/explanation/belt/plant.md has them all. May be repeated.
-    #[arg(long, value_name = "WHAT:WHERE[:HOW]@TIME[+TIME]", requires = "plant")]
-    accident: Vec<String>,
 }
 
 impl PlantArgs {
     fn belts(&self) -> Option<Belts<'_>> {
-        let Self { plant, seed, hit, brake, accident } = self;
+        let Self { plant, seed, hit } = self;
         let Plant::Belt = (*plant)?;
-        Some(Belts { seed: *seed, hits: hit, brakes: brake, accidents: accident })
+        Some(Belts { seed: *seed, hits: hit })
+    }
+
+    /// Whether there are belts that stretch.
+    #[must_use]
+    pub const fn has_belts(&self) -> bool {
+        matches!(self.plant, Some(Plant::Belt))
     }
 
     /// The plant of this description, if the options ask for one.
     ///
     /// # Errors
-    /// No such accident.
-    pub fn setup(&self, twin: &Description) -> Result<Option<BeltSetup>> {
-        Ok(self.belts().map(|belts| belts.setup(twin)).transpose()?)
+    /// No such hit.
+    pub fn setup(&self, twin: &Description, breaks: &Breaks) -> Result<Option<BeltSetup>> {
+        Ok(self.belts().map(|belts| belts.setup(twin, breaks)).transpose()?)
     }
 
     /// The plant of this machine, if one is asked for.
     ///
     /// # Errors
-    /// No such accident, or no belts do what the machine's motors do.
-    pub fn belt(&self, machine: &Machine, homed: Option<[Mm; 3]>) -> Result<Option<Box<BeltPlant>>> {
-        Ok(self.belts().map(|belts| belts.plant(machine, homed)).transpose()?)
+    /// No such hit, no such part, or no belts do what the machine's motors do.
+    pub fn belt(&self, machine: &Machine, homed: Option<[Mm; 3]>, breaks: &Breaks) -> Result<Option<Box<BeltPlant>>> {
+        Ok(self.belts().map(|belts| belts.plant(machine, homed, breaks)).transpose()?)
     }
 }

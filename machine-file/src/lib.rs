@@ -63,7 +63,7 @@ use corehbot::settings::Settings;
 use corehbot_twin::description::Description;
 pub use error::MachineFileError;
 use file_kind::{FileKind, Wanted, WrongFile, text_of};
-pub use place::{Place, with_suggestion, words};
+pub use place::{Place, nearest, with_suggestion, words};
 pub use problems::{Problem, problems};
 use reader::Given;
 pub use reference::reference;

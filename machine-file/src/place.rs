@@ -96,7 +96,14 @@ fn suggestion(message: &str) -> Option<&str> {
     }
     let mut names = message.split('`').skip(1).step_by(2);
     let wrong = names.next()?;
-    let (distance, nearest) = names.map(|name| (strsim::damerau_levenshtein(wrong, name), name)).min()?;
+    nearest(wrong, names)
+}
+
+/// The known name that the writer of an unknown one may have meant.
+#[must_use]
+pub fn nearest<'n>(wrong: &str, names: impl IntoIterator<Item = &'n str>) -> Option<&'n str> {
+    let names = names.into_iter().map(|name| (strsim::damerau_levenshtein(wrong, name), name));
+    let (distance, nearest) = names.min()?;
     let length = wrong.chars().count().max(nearest.chars().count());
     (10 * distance <= WRONG_OF_TEN * length).then_some(nearest)
 }

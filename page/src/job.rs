@@ -6,10 +6,10 @@ use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_machine_file::{self as machine_file, Machine};
 use corehbot_rig::bed::BedPlant;
-use corehbot_sim::asked::{self, Belts, Refusal};
-use corehbot_sim::bed_plant::{self, ProbeAccident};
-use corehbot_sim::belt::{BeltPlant, part};
-use corehbot_sim::heat_plant::{HeatSetup, accident};
+use corehbot_sim::accident::{Accident, ROWS};
+use corehbot_sim::asked::{self, Belts, Breaks, Refusal};
+use corehbot_sim::belt::BeltPlant;
+use corehbot_sim::heat_plant::HeatSetup;
 use corehbot_twin::description::Description;
 use serde::{Deserialize, Serialize};
 
@@ -33,11 +33,7 @@ pub struct Job {
     pub seed: Option<String>,
     /// `X,Y,N,MS`.
     pub hits: Vec<String>,
-    /// `MOTOR,N,S,MS`.
-    pub brakes: Vec<String>,
-    /// `WHAT:WHERE[:HOW]@TIME[+TIME]`.
-    pub accidents: Vec<String>,
-    /// `WHAT:WHERE@TIME`.
+    /// `WHAT[:WHERE[:HOW]]@TIME[+TIME]`.
     pub breaks: Vec<String>,
     /// `KEY=VALUE,..`.
     pub bed: Option<String>,
@@ -56,7 +52,7 @@ pub struct Prepared {
     /// Its bed.
     pub bed: Option<Box<BedPlant>>,
     /// Accidents of its probe.
-    pub probe_accidents: Vec<ProbeAccident>,
+    pub probe_accidents: Vec<Accident>,
 }
 
 impl Job {
@@ -76,12 +72,12 @@ impl Job {
         let machine = self.machine()?;
         let settings = &machine.settings;
         let homed = self.homed()?;
-        let accidents = asked::heat_accidents(&self.breaks, settings)?;
+        let breaks = self.breaks(settings)?;
         Ok(Prepared {
-            belt: self.belt(&machine, homed)?,
-            heat: HeatSetup { truth: None, accidents },
+            belt: self.belt(&machine, homed, &breaks)?,
+            heat: HeatSetup { truth: None, accidents: breaks.heat },
             bed: self.bed(settings)?,
-            probe_accidents: asked::probe_accidents(&self.breaks, settings)?,
+            probe_accidents: breaks.probe,
             homed,
             machine,
         })
@@ -96,16 +92,8 @@ impl Job {
         let place = homed.as_ref().ok().copied().flatten();
         let mut found: Vec<Refusal> = homed.err().into_iter().chain(self.bed(settings).err()).collect();
         for job in self.parted() {
-            let refusals = [
-                job.belt(&machine, place).err(),
-                asked::heat_accidents(&job.breaks, settings).err(),
-                asked::probe_accidents(&job.breaks, settings).err(),
-            ];
-            for refusal in refusals.into_iter().flatten() {
-                if !found.contains(&refusal) {
-                    found.push(refusal);
-                }
-            }
+            let refusal = job.breaks(settings).and_then(|breaks| job.belt(&machine, place, &breaks)).err();
+            found.extend(refusal.filter(|refusal| !found.contains(refusal)));
         }
         serde_json::to_string(&found).unwrap_or_default()
     }
@@ -113,8 +101,7 @@ impl Job {
     /// The job without its accidents, and each of them alone: the first wrong one hides no other one.
     fn parted(&self) -> Vec<Self> {
         let mut bare = self.clone();
-        let lists: [fn(&mut Self) -> &mut Vec<String>; 4] =
-            [|job| &mut job.hits, |job| &mut job.brakes, |job| &mut job.accidents, |job| &mut job.breaks];
+        let lists: [fn(&mut Self) -> &mut Vec<String>; 2] = [|job| &mut job.hits, |job| &mut job.breaks];
         let texts = lists.map(|list| std::mem::take(list(&mut bare)));
         let seedless = Self { seed: None, ..bare.clone() };
         let mut jobs = vec![bare];
@@ -152,12 +139,21 @@ impl Job {
         self.homed.as_deref().map(place).transpose()
     }
 
-    fn belt(&self, machine: &Machine, homed: Option<[Mm; 3]>) -> Result<Option<Box<BeltPlant>>, Refusal> {
-        let Self { has_belt_plant, seed, hits, brakes, accidents, .. } = self;
+    fn breaks(&self, settings: &Settings) -> Result<Breaks, Refusal> {
+        let texts = self.breaks.iter().map(|text| ("break", text.as_str()));
+        Breaks::read(texts, settings, self.has_belt_plant)
+    }
+
+    fn belt(
+        &self,
+        machine: &Machine,
+        homed: Option<[Mm; 3]>,
+        breaks: &Breaks,
+    ) -> Result<Option<Box<BeltPlant>>, Refusal> {
+        let Self { has_belt_plant, seed, hits, .. } = self;
         if !has_belt_plant {
-            let texts = [("seed", seed.as_ref()), ("hit", hits.first()), ("brake", brakes.first())];
-            let asked = texts.into_iter().chain([("accident", accidents.first())]);
-            return match asked.filter_map(|(option, text)| Some((option, text?))).next() {
+            let asked = [("seed", seed.as_ref()), ("hit", hits.first())];
+            return match asked.into_iter().filter_map(|(option, text)| Some((option, text?))).next() {
                 Some((option, text)) => Err(Refusal::new(option, text, &"only belts that stretch take it")),
                 None => Ok(None),
             };
@@ -167,7 +163,7 @@ impl Job {
             text.parse::<u64>().map_err(|_| Refusal::new("seed", text, &why))
         };
         let seed = seed.as_deref().map(whole).transpose()?;
-        Belts { seed, hits, brakes, accidents }.plant(machine, homed).map(Some)
+        Belts { seed, hits }.plant(machine, homed, breaks).map(Some)
     }
 
     fn bed(&self, settings: &Settings) -> Result<Option<Box<BedPlant>>, Refusal> {
@@ -175,32 +171,31 @@ impl Job {
     }
 }
 
-/// A kind of accident.
+/// A row of the table of accidents.
 #[derive(Serialize)]
 struct Known {
-    /// The field of [`Job`] that takes it.
-    option: &'static str,
-    name: &'static str,
+    word: &'static str,
+    family: &'static str,
     says: &'static str,
-    is_of_probe: bool,
+    /// The names of its places; none for parts of belts, which the machine names.
+    places: Vec<&'static str>,
+    needs_belts: bool,
     /// What HOW is, in which unit.
     how: Option<[&'static str; 2]>,
 }
 
-/// All kinds of accidents that `breaks` and `accidents` may name, as JSON.
+/// The table of accidents, as JSON.
 #[must_use]
 pub fn accidents() -> String {
-    let breaks = |name, says, is_of_probe| Known { option: "breaks", name, says, is_of_probe, how: None };
-    let heat = accident::KINDS.iter().map(|kind| breaks(kind.name, kind.says, false));
-    let probe = bed_plant::accident::KINDS.iter().map(|kind| breaks(kind.name, kind.says, true));
-    let parts = part::KINDS.iter().map(|kind| Known {
-        option: "accidents",
-        name: kind.name,
-        says: kind.says,
-        is_of_probe: false,
-        how: Some([kind.how.says, kind.how.unit]),
+    let known = ROWS.iter().map(|row| Known {
+        word: row.word,
+        family: row.family.name(),
+        says: row.says,
+        places: row.names().collect(),
+        needs_belts: row.family.needs_belts(),
+        how: row.how.map(|how| [how.says, how.unit]),
     });
-    serde_json::to_string(&parts.chain(heat).chain(probe).collect::<Vec<_>>()).unwrap_or_default()
+    serde_json::to_string(&known.collect::<Vec<_>>()).unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -223,14 +218,31 @@ mod tests {
         assert!(refusal(&Job { hits: vec!["1,2,3".into()], ..belts.clone() }).contains("X,Y,N,MS"));
         assert!(refusal(&Job { seed: Some("-1".into()), ..belts.clone() }).starts_with("--seed -1: expected a whole"));
         assert!(refusal(&Job { bed: Some("bowl=1".into()), ..job.clone() }).contains("no probe"));
-        let [accidents, breaks] = [["seized:m9@1s", "seized:99@1s"], ["kick@1s", "open:hotend@1s"]]
-            .map(|two| two.map(str::to_owned).to_vec());
-        let wrong = Job { seed: Some("-1".into()), accidents, breaks, ..belts };
+        assert!(refusal(&Job { breaks: vec!["rub:m1@1s".into()], ..job.clone() }).contains("add --plant belt"));
+        let breaks = ["seized:m9@1s", "seized:99@1s", "kick@1s", "open:hotend@1s"].map(str::to_owned).to_vec();
+        let wrong = Job { seed: Some("-1".into()), breaks, ..belts };
         let refusals: Vec<serde_json::Value> = serde_json::from_str(&wrong.refusals()).unwrap();
         let texts: Vec<_> = refusals.iter().filter_map(|refusal| refusal["text"].as_str()).collect();
         assert_eq!(texts, ["-1", "seized:m9@1s", "seized:99@1s", "kick@1s", "open:hotend@1s"]);
         let (machine, machine_file) = (Some("[axes.x]\nlength = 0\n".to_owned()), "mine.toml".to_owned());
         assert!(refusal(&Job { machine, machine_file, ..job }).starts_with("mine.toml:2:"));
         assert!(Job::read("{\"colour\":1}").is_err());
+    }
+
+    /// Texts between single quotes with a time, or with a place alone, as the page's buttons have them.
+    fn quoted<'s>(script: &'s str, from: &str, to: &str) -> Vec<&'s str> {
+        let list = script.split_once(from).and_then(|(_, rest)| rest.split_once(to)).unwrap().0;
+        list.split('\'').skip(1).step_by(2).filter(|text| text.contains(':')).collect()
+    }
+
+    #[test]
+    fn the_buttons_of_the_page_are_accidents_of_the_table() {
+        let presets = quoted(include_str!("../www/printing.js"), "const PRESETS = [", "];");
+        let at_terminal = quoted(include_str!("../www/terminal.js"), "const ACCIDENTS = [", "];");
+        let at_once = at_terminal.iter().map(|text| format!("{text}@0s"));
+        for text in presets.iter().map(|text| (*text).to_owned()).chain(at_once) {
+            assert!(text.parse::<Accident>().is_ok(), "{text}");
+        }
+        assert!(presets.len() > 4 && at_terminal.len() > 1, "{presets:?} {at_terminal:?}");
     }
 }

@@ -230,8 +230,8 @@ mod tests {
             let named: Vec<&str> = pulleys.iter().map(|pulley| pulley["name"].as_str().unwrap()).collect();
             assert!(named.iter().any(|name| name.starts_with('m')) && named.contains(&"2"), "{named:?}");
             for name in named.into_iter().filter(|name| !name.is_empty()) {
-                let accidents = vec![format!("seized:{name}@1s")];
-                assert_eq!(Job { accidents, ..job.clone() }.refusals(), "[]");
+                let breaks = vec![format!("seized:{name}@1s")];
+                assert_eq!(Job { breaks, ..job.clone() }.refusals(), "[]");
             }
         }
     }

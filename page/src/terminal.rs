@@ -6,7 +6,7 @@
 
 use crate::job::{Job, Prepared};
 use crate::picture::{Moved, Picture};
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Context as _, Result, bail, ensure};
 use corehbot::connectors::Heater;
 use corehbot::kinematics::ForwardKinematics;
 use corehbot::motors::{MOTORS, MotorSet};
@@ -14,9 +14,9 @@ use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot::units::{Mm, TICKS_PER_MS, TICKS_PER_SECOND};
 use corehbot_machine_file::Machine;
+use corehbot_sim::accident::Accident;
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::hand::{self, Act};
-use corehbot_sim::heat_plant::Accident;
 use corehbot_sim::world::{Desk, Sink, World};
 use serde::Serialize;
 use std::cell::{Cell, RefCell};
@@ -28,7 +28,7 @@ use std::task::{Context, Poll, Waker};
 const LONGEST_TURN_MS: f64 = 10_000.0;
 
 /// Something that happens to the machine.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 enum Event {
     /// A hand does something.
     Hand(Act),
@@ -131,7 +131,8 @@ impl Terminal {
             Some(act) => Event::Hand(act),
             None => {
                 let accident: Accident = format!("{what}@0s").parse().with_context(|| what.to_owned())?;
-                if let Some(missing) = accident.missing(&self.machine.settings.thermal) {
+                ensure!(!accident.row.family.needs_belts(), "{what}: a part of belts breaks in a print alone");
+                if let Some(missing) = accident.missing(&self.machine.settings) {
                     bail!("{what}: {missing}");
                 }
                 Event::Break(accident)
@@ -211,7 +212,7 @@ async fn session(prepared: Prepared, line: Rc<Line>) {
             for event in line.events.take() {
                 is_reset |= matches!(event, Event::Hand(Act::Reset));
                 is_off |= matches!(event, Event::Hand(Act::Off));
-                befall(&mut world, event);
+                befall(&mut world, &settings, event);
             }
             if is_reset || is_off {
                 break;
@@ -250,10 +251,13 @@ async fn session(prepared: Prepared, line: Rc<Line>) {
     }
 }
 
-fn befall(world: &mut World<'_>, event: Event) {
+fn befall(world: &mut World<'_>, settings: &Settings, event: Event) {
     match event {
         Event::Hand(act) => act.touch(world),
         Event::Break(accident) => {
+            if let Some(fault) = accident.probe_fault(settings) {
+                world.fail_probe(fault);
+            }
             if let Some(plant) = world.heat().plant() {
                 accident.happen(plant.faults());
             }
@@ -370,5 +374,7 @@ mod tests {
         assert!(terminal.act("press x").is_ok());
         assert!(terminal.act("kick it").is_err());
         assert!(terminal.act("open:hotend").unwrap_err().to_string().contains("hotend"));
+        assert!(terminal.act("stuck:probe").unwrap_err().to_string().contains("no probe"));
+        assert!(terminal.act("seized:m1").unwrap_err().to_string().contains("in a print"));
     }
 }

@@ -66,22 +66,19 @@ const PRESETS = [
   ['thermistor off', { breaks: 'open:hotend@60s' }],
   ['heater stays on', { breaks: 'stuck-on:hotend@60s' }],
   ['part fan stops', { breaks: 'fan-dead:part@60s' }],
-  ['something in the way', { hits: '100,100,40,300' }],
-  ['a motor rubs', { brakes: 'm1,15,2' }],
-  ['a pulley is stuck', { accidents: 'seized:m8@2s' }],
-  ['a tooth is jumped', { accidents: 'jump:m1@2s' }],
+  ['something in the way', { hits: '100,100,40,300' }, true],
+  ['a motor rubs', { breaks: 'rub:m1:15N@2s' }, true],
+  ['a pulley is stuck', { breaks: 'seized:m8@2s' }, true],
+  ['a tooth is jumped', { breaks: 'jump:m1@2s' }, true],
 ];
 
 // Fields of a job with lists of texts, the command's options for them, and what is before a text.
-const LISTS = {
-  breaks: ['break', 'breaks'], accidents: ['accident', 'breaks'],
-  hits: ['hit', 'hit (X,Y,N,ms)'], brakes: ['brake', 'rubs (motor,N,s)'],
-};
+const LISTS = { breaks: ['break', 'breaks'], hits: ['hit', 'hit (X,Y,N,ms)'] };
 
-function addAccident(accident) {
+function addAccident(accident, needsBelts) {
   const [kind] = Object.keys(accident);
-  // Only belts that stretch feel the others.
-  if (kind !== 'breaks') $('belt').checked = true;
+  // Only belts that stretch have such an accident.
+  if (needsBelts) $('belt').checked = true;
   accidents.push({ kind, text: accident[kind] });
   showAccidents();
 }
@@ -101,33 +98,31 @@ function showAccidents() {
   checkOptions();
 }
 
-$('presets').append(...PRESETS.map(([name, accident]) =>
-  make('button', { type: 'button', onclick: () => addAccident(accident) }, name)));
+$('presets').append(...PRESETS.map(([name, accident, needsBelts]) =>
+  make('button', { type: 'button', onclick: () => addAccident(accident, needsBelts) }, name)));
 
 // --- any other accident: its kind from a list, its place from the list or from the picture
 
-// By group and name: belts and heat have kinds of one name.
+// The firmware's table, by family and word: belts and heat have one word in common. Belts are first in the list, for the
+// picture is about them.
 const kinds = new Map();
+let beltParts = [], listedPlaces = [];
 
 answers.call('accidents').then(text => {
-  const groups = new Map(['Belts', 'Heat', 'Probe'].map(label => [label, make('optgroup', { label })]));
-  for (const kind of JSON.parse(text)) {
-    const group = kind.option === 'accidents' ? 'Belts' : kind.is_of_probe ? 'Probe' : 'Heat', value = `${group} ${kind.name}`;
+  const table = JSON.parse(text).sort((one, other) => other.needs_belts - one.needs_belts), groups = new Map();
+  for (const kind of table) {
+    const label = kind.family[0].toUpperCase() + kind.family.slice(1), value = `${label} ${kind.word}`;
     kinds.set(value, kind);
-    groups.get(group).append(make('option', { value }, kind.name));
+    if (!groups.has(label)) groups.set(label, make('optgroup', { label }));
+    groups.get(label).append(make('option', { value }, kind.word));
   }
+  listedPlaces = table.flatMap(kind => kind.places);
   $('accident').append(...groups.values());
   showKind();
 }, () => {});
 
 const chosenKind = () => kinds.get($('accident').value);
-const HEATED = ['hotend', 'bed', 'chamber', 'part'], PROBES = ['probe'];
-let beltParts = [];
-
-function usualPlaces() {
-  const kind = chosenKind();
-  return kind?.option === 'accidents' ? beltParts : kind?.is_of_probe ? PROBES : HEATED;
-}
+const usualPlaces = () => chosenKind()?.needs_belts ? beltParts : chosenKind()?.places ?? [];
 
 // The kind or the machine has changed: a place of other ones gives way to a usual one. What a person types stays, also a
 // place that no list has, which is refused in the command's words.
@@ -135,16 +130,16 @@ function showKind(earlier = beltParts) {
   const kind = chosenKind();
   if (!kind) return;
   const place = $('accident-place'), usual = usualPlaces(), now = place.value.trim();
-  const isOfOthers = !now || !usual.includes(now) && [...earlier, ...HEATED, ...PROBES].includes(now);
+  const isOfOthers = !now || !usual.includes(now) && [...earlier, ...listedPlaces].includes(now);
   if (isOfOthers && document.activeElement !== place) place.value = usual[0] ?? '';
   $('places').replaceChildren(...usual.map(value => make('option', { value })));
   $('accident-how-label').hidden = !kind.how;
-  $('accident-says').textContent = `${kind.name}: ${kind.says}.${kind.how ? ` How much is ${kind.how[0]}.` : ''}`;
+  $('accident-says').textContent = `${kind.word}: ${kind.says}.${kind.how ? ` How much is ${kind.how[0]}.` : ''}`;
   markPlace();
 }
 
 function markPlace() {
-  partsPicture.mark(chosenKind()?.option === 'accidents' ? $('accident-place').value.trim() : '');
+  partsPicture.mark(chosenKind()?.needs_belts ? $('accident-place').value.trim() : '');
 }
 $('accident').onchange = () => showKind();
 $('accident-place').oninput = markPlace;
@@ -153,7 +148,7 @@ $('accident-place').oninput = markPlace;
 const partsPicture = new MachinePicture($('parts'), (role, name) => {
   const [kind, place] = [$('accident'), $('accident-place')];
   if (role === 'belt') kind.value = 'Belts cord';
-  else if (chosenKind()?.option !== 'accidents' || role === 'idler') kind.value = 'Belts seized';
+  else if (!chosenKind()?.needs_belts || role === 'idler') kind.value = 'Belts seized';
   place.value = name;
   showKind();
 });
@@ -175,8 +170,8 @@ async function showParts() {
 
 $('add-accident').onclick = () => {
   const [place, how, time] = ['accident-place', 'accident-how', 'accident-time'].map(id => $(id).value.trim());
-  const { option, name, how: takes } = chosenKind();
-  addAccident({ [option]: [name, place, takes && how].filter(Boolean).join(':') + `@${time}` });
+  const { word, how: takes, needs_belts: needsBelts } = chosenKind();
+  addAccident({ breaks: [word, place, takes && how].filter(Boolean).join(':') + `@${time}` }, needsBelts);
 };
 
 // --- what of it cannot be: told next to its field, in the command's words

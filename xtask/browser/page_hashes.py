@@ -27,14 +27,14 @@ PRINT = """
 """
 
 # Fields of a job in the page, and the command's options for them.
-OPTIONS = {"seed": "seed", "homed": "assume-homed", "bed": "bed", "hits": "hit", "brakes": "brake", "accidents": "accident", "breaks": "break"}
+OPTIONS = {"seed": "seed", "homed": "assume-homed", "bed": "bed", "hits": "hit", "breaks": "break"}
 
 # A print over a mesh of a bed that is not flat, and its machine.
 PROBED = "[endstops]\nprobe = \"PROBE\"\n[probe]\nkind = \"switch\"\n"
 PROBING = "G28\nG29\nG1 X60 Y60 Z0.3 F9000\nG1 X120 Y150\n"
 
 # Belts with accidents, and a bed that is not flat, as a user asks for them.
-TROUBLED = {"has_belt_plant": True, "seed": "7", "hits": ["100,100,40,300"], "brakes": ["m1,15,0.5"], "accidents": ["seized:7:20N@1s+2s", "jump:m8@1.5s"]}
+TROUBLED = {"has_belt_plant": True, "seed": "7", "hits": ["100,100,40,300"], "breaks": ["rub:m1:15N@0.5s", "seized:7:20N@1s+2s", "jump:m8@1.5s"]}
 UNEVEN = {"bed": "bowl=0.2,tilt.x=0.0004,noise=0.005", "breaks": ["early:probe@1h"]}
 
 

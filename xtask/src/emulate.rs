@@ -6,6 +6,7 @@
 use crate::checkout::{self, run};
 use crate::compare::check_file;
 use anyhow::Result;
+use corehbot_host::accident_args::AccidentArgs;
 use corehbot_host::stop::Stop;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -49,21 +50,17 @@ struct PlantArgs {
     /// Something in the tool's way.
     #[arg(long, value_name = "X,Y,N,MS", allow_hyphen_values = true)]
     hit: Vec<String>,
-    /// Something that rubs on a motor.
-    #[arg(long, value_name = "MOTOR,N[,S[,MS]]", allow_hyphen_values = true)]
-    brake: Vec<String>,
-    /// A part that breaks.
-    #[arg(long, value_name = "WHAT:WHERE[:HOW]@TIME[+TIME]")]
-    accident: Vec<String>,
+    #[command(flatten)]
+    accidents: AccidentArgs,
 }
 
 impl PlantArgs {
     /// The options that were given, for the emulator to check.
-    fn given(&self) -> impl Iterator<Item = (&'static str, &String)> {
-        let one = [("--plant", &self.plant), ("--seed", &self.seed)];
-        let many = [("--hit", &self.hit), ("--brake", &self.brake), ("--accident", &self.accident)];
-        let one = one.into_iter().filter_map(|(option, value)| Some((option, value.as_ref()?)));
-        one.chain(many.into_iter().flat_map(|(option, values)| values.iter().map(move |value| (option, value))))
+    fn given(&self) -> impl Iterator<Item = (&'static str, &str)> {
+        let one = [("plant", &self.plant), ("seed", &self.seed)];
+        let one = one.into_iter().filter_map(|(option, value)| Some((option, value.as_deref()?)));
+        let hits = self.hit.iter().map(|hit| ("hit", hit.as_str()));
+        one.chain(hits).chain(self.accidents.given())
     }
 }
 
@@ -134,7 +131,7 @@ fn print<const N: usize>(
         }
     }
     for (option, value) in plant.given() {
-        command.arg(format!("{option}={value}"));
+        command.arg(format!("--{option}={value}"));
     }
     command.args(more);
     run(command)

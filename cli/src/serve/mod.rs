@@ -14,6 +14,7 @@ use corehbot::motors::MotorSet;
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot::units::{Mm, TICKS_PER_SECOND};
+use corehbot_host::accident_args::AccidentArgs;
 use corehbot_host::bed_args::BedArgs;
 use corehbot_host::heat_args::HeatArgs;
 use corehbot_host::output::{Outputs, STANDARD, Stream};
@@ -24,7 +25,7 @@ use corehbot_host::serial::{Hand, Pace, Port, Surroundings};
 use corehbot_host::status::DONE;
 use corehbot_host::stop::Stop;
 use corehbot_rig::bed::BedPlant;
-use corehbot_sim::bed_plant::ProbeAccident;
+use corehbot_sim::accident::Accident;
 use corehbot_sim::belt::BeltPlant;
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::eeprom::Eeprom;
@@ -59,6 +60,8 @@ pub(crate) struct Serve {
     #[command(flatten)]
     plant: PlantArgs,
     #[command(flatten)]
+    accidents: AccidentArgs,
+    #[command(flatten)]
     heat: HeatArgs,
     #[command(flatten)]
     bed: BedArgs,
@@ -78,7 +81,7 @@ pub(crate) struct Prepared {
     belt: Option<Box<BeltPlant>>,
     heat: HeatSetup,
     bed: Option<Box<BedPlant>>,
-    probe_accidents: Vec<ProbeAccident>,
+    probe_accidents: Vec<Accident>,
     plugs: Option<Plugs>,
     eeprom: Option<Eeprom>,
     /// Held as long as it is served, so that no other printer keeps its settings there.
@@ -92,11 +95,11 @@ pub(crate) struct Prepared {
 impl Prepared {
     pub fn new(args: &Serve) -> Result<Self> {
         let machine = args.printer.machine()?;
-        let belt = args.plant.belt(&machine, args.printer.assume_homed)?;
+        let breaks = args.accidents.read(&machine.settings, args.plant.has_belts())?;
+        let belt = args.plant.belt(&machine, args.printer.assume_homed, &breaks)?;
         let (name, settings) = (machine.name, machine.settings);
-        let heat = args.heat.setup(&settings)?;
+        let (heat, probe_accidents) = (args.heat.setup(&settings, breaks.heat)?, breaks.probe);
         let bed = args.bed.plant(&settings)?;
-        let probe_accidents = args.heat.probe_accidents(&settings)?;
         let plugs = args.around.plugs(&settings)?;
         let mut outputs = Outputs::new(args.printer.files().chain(args.heat.file()), Stop::default());
         let is_standard = args.trace.as_deref() == Some(Path::new(STANDARD));

@@ -1,15 +1,14 @@
 //! Asked: plants and their accidents in a user's words. Options of the command and fields of the page are read here, so
 //! both take the same words and refuse the same ones.
 
-use crate::bed_plant::{self, ProbeAccident};
+use crate::accident::{Accident, Family, NO_PROBE, ROWS};
+use crate::bed_plant;
 use crate::belt::accident::Accidents;
 use crate::belt::layout::LayoutError;
 use crate::belt::{BeltPlant, BeltSetup};
-use crate::heat_plant::Accident;
-use corehbot::settings::{ProbeKind, Settings};
+use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_machine_file::Machine;
-use corehbot_rig::bed::probe::ProbeFault;
 use corehbot_rig::bed::{BedPlant, has_probe};
 use corehbot_twin::description::Description;
 use serde::Serialize;
@@ -52,8 +51,63 @@ fn read<T: FromStr<Err: Display>>(option: &'static str, text: &str) -> Result<T,
     text.trim().parse().map_err(|error: T::Err| Refusal::new(option, text, &error))
 }
 
-fn read_all<T: FromStr<Err: Display>>(option: &'static str, texts: &[String]) -> Result<Vec<T>, Refusal> {
-    texts.iter().map(|text| read(option, text)).collect()
+/// What breaks, by family. Those of heat and of the probe are in the order of their times.
+#[derive(Clone, Debug, Default)]
+pub struct Breaks {
+    /// Of heaters, sensors, fans and the supply.
+    pub heat: Vec<Accident>,
+    /// Of the probe.
+    pub probe: Vec<Accident>,
+    /// Of belts: option and text, and what they say.
+    belts: Vec<(&'static str, String, Accident)>,
+}
+
+impl Breaks {
+    /// The accidents of these options and texts, on a machine with these settings, which may have belts that stretch.
+    ///
+    /// # Errors
+    /// No such accident, or none that this machine can have.
+    pub fn read<'t>(
+        texts: impl IntoIterator<Item = (&'static str, &'t str)>,
+        settings: &Settings,
+        has_belts: bool,
+    ) -> Result<Self, Refusal> {
+        let mut breaks = Self::default();
+        for (option, text) in texts {
+            let accident: Accident = read(option, text)?;
+            if let Some(missing) = accident.missing(settings) {
+                return Err(Refusal::new(option, text, &missing));
+            }
+            match accident.row.family {
+                Family::Belts if !has_belts => return Err(Refusal::new(option, text, &rigid(&accident))),
+                Family::Belts => breaks.belts.push((option, text.to_owned(), accident)),
+                Family::Heat | Family::Supply => breaks.heat.push(accident),
+                Family::Probe => breaks.probe.push(accident),
+            }
+        }
+        breaks.heat.sort_by(|a, b| a.at_s.total_cmp(&b.at_s));
+        breaks.probe.sort_by(|a, b| a.at_s.total_cmp(&b.at_s));
+        Ok(breaks)
+    }
+
+    /// Those of belts.
+    fn parts(&self) -> Vec<Accident> {
+        self.belts.iter().map(|(.., accident)| accident.clone()).collect()
+    }
+
+    /// The refusal of a part that the machine does not have, by the accident's text of today.
+    fn refused(&self, today: &str, why: &LayoutError) -> Option<Refusal> {
+        let (option, text, _) = self.belts.iter().find(|(.., accident)| accident.text == today)?;
+        Some(Refusal::new(option, text, why))
+    }
+}
+
+/// Why belts that do not stretch have no such accident. Another family may have one of that name.
+fn rigid(accident: &Accident) -> String {
+    let Accident { row, name, .. } = accident;
+    let others = ROWS.iter().filter(|other| other.word == row.word && other.family != row.family);
+    let others = others.map(|other| format!(" (of {}: {})", other.family.name(), other.places.says()));
+    format!("{} of {name}{} needs belts that stretch: add --plant belt", row.word, others.collect::<String>())
 }
 
 /// Belts that stretch.
@@ -63,82 +117,31 @@ pub struct Belts<'a> {
     pub seed: Option<u64>,
     /// `X,Y,N,MS`.
     pub hits: &'a [String],
-    /// `MOTOR,N[,S[,MS]]`.
-    pub brakes: &'a [String],
-    /// `WHAT:WHERE[:HOW]@TIME[+TIME]`.
-    pub accidents: &'a [String],
 }
 
 impl Belts<'_> {
     /// The setup of a machine that is described so.
     ///
     /// # Errors
-    /// No such accident.
-    pub fn setup(&self, twin: &Description) -> Result<BeltSetup, Refusal> {
-        let (hits, brakes) = (read_all("hit", self.hits)?, read_all("brake", self.brakes)?);
-        let accidents = Accidents { hits, brakes, parts: read_all("accident", self.accidents)? };
+    /// No such hit.
+    pub fn setup(&self, twin: &Description, breaks: &Breaks) -> Result<BeltSetup, Refusal> {
+        let hits: Result<_, Refusal> = self.hits.iter().map(|text| read("hit", text)).collect();
+        let accidents = Accidents { hits: hits?, parts: breaks.parts() };
         Ok(BeltSetup { twin: twin.clone(), seed: self.seed, accidents })
     }
 
     /// The plant of a machine, which may begin as if homed.
     ///
     /// # Errors
-    /// No such accident, no such part, or no belts do what the machine's motors do.
-    pub fn plant(&self, machine: &Machine, homed: Option<[Mm; 3]>) -> Result<Box<BeltPlant>, Refusal> {
-        let setup = self.setup(&machine.twin)?;
+    /// No such hit, no such part, or no belts do what the machine's motors do.
+    pub fn plant(&self, machine: &Machine, homed: Option<[Mm; 3]>, breaks: &Breaks) -> Result<Box<BeltPlant>, Refusal> {
+        let setup = self.setup(&machine.twin, breaks)?;
         let plant = BeltPlant::new(&machine.settings, homed, homed.is_some(), setup, 0);
-        plant.map(Box::new).map_err(|error| match &error {
-            LayoutError::NoBrake(name, _) => {
-                let is_of = |text: &&String| text.split(',').next().is_some_and(|motor| motor.trim() == name.as_str());
-                let text = self.brakes.iter().find(is_of);
-                Refusal::new("brake", text.map_or(name.as_str(), |text| text), &error)
-            }
-            LayoutError::NoPart(text, ..) => Refusal::new("accident", text, &error),
-            _ => Refusal::new("plant", "belt", &error),
+        plant.map(Box::new).map_err(|error| {
+            let part = if let LayoutError::NoPart(text, ..) = &error { breaks.refused(text, &error) } else { None };
+            part.unwrap_or_else(|| Refusal::new("plant", "belt", &error))
         })
     }
-}
-
-/// Accidents of heat among those of `break`, by time.
-///
-/// # Errors
-/// No such accident, or no heater that could break.
-pub fn heat_accidents(breaks: &[String], settings: &Settings) -> Result<Vec<Accident>, Refusal> {
-    let mut accidents = Vec::new();
-    for text in breaks.iter().filter(|text| !ProbeAccident::is_one(text)) {
-        let accident: Accident = read("break", text)?;
-        if let Some(missing) = accident.missing(&settings.thermal) {
-            return Err(Refusal::new("break", text, &missing));
-        }
-        accidents.push(accident);
-    }
-    accidents.sort_by(|a, b| a.at_s.total_cmp(&b.at_s));
-    Ok(accidents)
-}
-
-/// Why a machine without a probe has no bed of its own, and no accidents of a probe.
-const NO_PROBE: &str = "the machine has no probe; its file plugs one in (endstops.probe)";
-
-const NO_BLTOUCH: &str = "the machine has no BLTouch, and no other probe is ever in alarm (probe.kind)";
-
-/// Accidents of the probe among those of `break`, by time.
-///
-/// # Errors
-/// No such accident, or no probe that could break.
-pub fn probe_accidents(breaks: &[String], settings: &Settings) -> Result<Vec<ProbeAccident>, Refusal> {
-    let mut accidents = Vec::new();
-    for text in breaks.iter().filter(|text| ProbeAccident::is_one(text)) {
-        let accident = read::<ProbeAccident>("break", text)?;
-        if !has_probe(settings) {
-            return Err(Refusal::new("break", text, &NO_PROBE));
-        }
-        if accident.fault(settings) == ProbeFault::Alarm && settings.probe.kind != ProbeKind::BlTouch {
-            return Err(Refusal::new("break", text, &NO_BLTOUCH));
-        }
-        accidents.push(accident);
-    }
-    accidents.sort_by(|a, b| a.at_s.total_cmp(&b.at_s));
-    Ok(accidents)
 }
 
 /// The bed under the nozzle, `KEY=VALUE,..`.
@@ -170,6 +173,7 @@ pub fn place(text: &str) -> Result<[Mm; 3], String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use corehbot::settings::ProbeKind;
 
     #[test]
     fn a_place_is_three_numbers() {
@@ -179,29 +183,73 @@ mod tests {
         }
     }
 
+    fn refused(texts: &[(&'static str, &str)], settings: &Settings, has_belts: bool) -> String {
+        let breaks = Breaks::read(texts.iter().copied(), settings, has_belts);
+        breaks.map_or_else(|refusal| refusal.to_string(), |_| String::new())
+    }
+
     #[test]
     fn a_refusal_names_the_option_and_its_text() {
-        let belts = |hits: &str, brakes: &str, accidents: &str| {
-            let [hits, brakes, accidents] =
-                [hits, brakes, accidents].map(|text| if text.is_empty() { Vec::new() } else { vec![text.to_owned()] });
+        let belts = |hits: &str, option: &'static str, text: &str| {
+            let hits: Vec<String> = Some(hits.to_owned()).filter(|hits| !hits.is_empty()).into_iter().collect();
             let (name, settings) = (None, Settings::prototype());
+            let texts = Some((option, text)).filter(|_| !text.is_empty());
+            let breaks = Breaks::read(texts, &settings, true);
             let machine = Machine { name, board: None, settings, twin: Description::default() };
-            let belts = Belts { seed: Some(1), hits: &hits, brakes: &brakes, accidents: &accidents };
-            belts.plant(&machine, None).map_or_else(|refusal| refusal.to_string(), |_| String::new())
+            let plant = breaks.and_then(|breaks| Belts { seed: Some(1), hits: &hits }.plant(&machine, None, &breaks));
+            plant.map_or_else(|refusal| refusal.to_string(), |_| String::new())
         };
-        assert_eq!(belts("1,2,3,4", "m1,5", "seized:7@20s"), "");
-        assert!(belts("1,2", "", "").starts_with("--hit 1,2: "));
-        assert!(belts("", "m2,5", "").starts_with("--brake m2,5: `m2` is not a belt motor"));
-        assert!(belts("", "", "seized:99@1s").starts_with("--accident seized:99@1s: `99` is neither"));
-        let (breaks, settings) = (["open:hotend@1s".to_owned(), "early:probe@1s".to_owned()], Settings::prototype());
-        assert_eq!(heat_accidents(&breaks, &settings).unwrap_err().text, breaks[0]);
-        assert_eq!(probe_accidents(&breaks, &settings).unwrap_err().text, breaks[1]);
-        let mut probed = settings;
-        probed.probe.kind = ProbeKind::Switch;
-        let alarm = ["alarm:probe@1s".to_owned()];
-        assert!(probe_accidents(&alarm, &probed).is_err_and(|refusal| refusal.to_string().contains("no BLTouch")));
-        probed.probe.kind = ProbeKind::BlTouch;
-        assert_eq!(probe_accidents(&alarm, &probed).unwrap().len(), 1);
+        assert_eq!(belts("1,2,3,4", "brake", "m1,5"), "");
+        assert_eq!(belts("1,2,3,4", "accident", "seized:7@20s"), "");
+        assert!(belts("1,2", "break", "").starts_with("--hit 1,2: "));
+        let motors = "is not a belt motor: m1, m4, m8, m11";
+        assert_eq!(belts("", "brake", "m2,5"), format!("--brake m2,5: `m2` {motors}"));
+        assert_eq!(belts("", "break", "loose:hotnd@1s"), format!("--break loose:hotnd@1s: `hotnd` {motors}"));
+        assert!(belts("", "accident", "seized:99@1s").starts_with("--accident seized:99@1s: `99` is neither"));
+        assert!(belts("", "break", "seized:99@1s").starts_with("--break seized:99@1s: `99` is neither"));
+    }
+
+    #[test]
+    fn what_a_machine_does_not_have_cannot_break() {
+        let mut settings = Settings::prototype();
+        let refuses = |text: &str, settings: &Settings| refused(&[("break", text)], settings, false);
+        assert_eq!(refuses("converter@1s", &settings), "--break converter@1s: the machine has no heater");
+        assert!(refuses("early:probe@1s", &settings).contains("the machine has no probe; its file plugs one in"));
+        settings.thermal.heaters.hotend.is_fitted = true;
+        assert_eq!(refuses("open@1s", &settings), "");
+        let told = "the machine has no bed; its file fits one (heaters.bed.is_fitted = true)";
+        assert!(refuses("open:bed@1s", &settings).ends_with(told));
+        settings.probe.kind = ProbeKind::Switch;
+        assert!(refuses("alarm:probe@1s", &settings).contains("no BLTouch"));
+        assert_eq!(refuses("early:probe@1s", &settings), "");
+        settings.probe.kind = ProbeKind::BlTouch;
+        assert_eq!(refuses("alarm:probe@1s", &settings), "");
+        // Each family at its place, by time.
+        let texts = ["short@2s", "stuck@3s", "rub:m1@1s", "low-supply@1s", "dead@1s"].map(|text| ("break", text));
+        let breaks = Breaks::read(texts, &settings, true).unwrap();
+        let words = |accidents: &[Accident]| accidents.iter().map(|accident| accident.row.word).collect::<Vec<_>>();
+        assert_eq!((words(&breaks.heat), words(&breaks.probe)), (vec!["low-supply", "short"], vec!["dead", "stuck"]));
+        assert_eq!(words(&breaks.parts()), ["rub"]);
+    }
+
+    #[test]
+    fn belts_that_do_not_stretch_are_told_what_to_do() {
+        let settings = Settings::prototype();
+        let refuses = |option: &'static str, text: &str| refused(&[(option, text)], &settings, false);
+        let does = "needs belts that stretch: add --plant belt";
+        for (option, text, of) in [
+            ("break", "seized:7@1s", "seized of 7"),
+            ("accident", "jump:m1@1s", "jump of m1"),
+            ("brake", "m1,5", "rub of m1"),
+            ("break", "loose:m1@1s", "loose of m1 (of heat: hotend, bed, chamber)"),
+        ] {
+            assert_eq!(refuses(option, text), format!("--{option} {text}: {of} {does}"));
+        }
+    }
+
+    #[test]
+    fn a_bed_needs_a_probe() {
+        let settings = Settings::prototype();
         assert!(bed("bowl=1", &settings).is_err_and(|refusal| refusal.to_string().starts_with("--bed: the machine")));
     }
 }

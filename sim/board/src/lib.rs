@@ -8,6 +8,7 @@
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
 pub mod accelerometer;
+pub mod accident;
 mod any_storage;
 pub mod asked;
 pub mod axis_sums;

@@ -11,10 +11,11 @@ mod runs;
 mod z_shifts;
 
 use crate::accelerometer::Sensor;
+use crate::accident::Accident;
 use crate::any_storage::AnyStorage;
 use crate::drivers::Drivers;
 pub use crate::ends::{HeatPeriod, HeaterPeriod, Host, Sink};
-use crate::heat_plant::{Accident, HeatSetup};
+use crate::heat_plant::HeatSetup;
 use crate::moves::Tap;
 use crate::odometer::Odometer;
 pub use crate::ports::Wire;
@@ -255,7 +256,7 @@ impl<'w> World<'w> {
             generator,
             thermal,
             accidents: &heat.accidents,
-            probe_accidents: probe_accidents.iter().map(|a| (a.at_s, a.fault(settings))).collect(),
+            probe_accidents: probe_accidents.iter().filter_map(|a| Some((a.at_s, a.probe_fault(settings)?))).collect(),
             next_period: shared.now.get(),
             console: Some(console),
             met: EndstopSet::NONE,

@@ -7,8 +7,8 @@
 
 use crate::common::lives::{Life, Machine, live};
 use corehbot::connectors::Heater;
-use corehbot_sim::heat_plant::Accident;
-use corehbot_sim::heat_plant::accident::{Does, KINDS, Kind};
+use corehbot_sim::accident::table::Does;
+use corehbot_sim::accident::{Accident, Family, ROWS, Row};
 use rayon::prelude::*;
 
 /// Something that owners do.
@@ -337,11 +337,11 @@ enum Must {
     BeHarmless,
 }
 
-/// The required result of each kind (docs/explanation/safety.md). A kind without a row here must be found.
+/// The required result of each accident (docs/explanation/safety.md). One that is not here must be found.
 const HARMLESS: [&str; 4] = ["late", "weak", "loose", "fan-dead"];
 
-const fn is_of_hotend_and_bed(kind: &Kind) -> bool {
-    matches!(kind.does, Does::Machine(_))
+const fn is_of_hotend_and_bed(row: &Row) -> bool {
+    matches!(row.does, Does::Machine(_))
 }
 
 /// Highest allowed temperatures of hotend, bed and chamber whatever breaks, in C: nothing burns below them
@@ -349,17 +349,16 @@ const fn is_of_hotend_and_bed(kind: &Kind) -> bool {
 const BURNS: [f64; 3] = [320.0, 160.0, 110.0];
 
 /// Something breaks in a life.
-fn break_in_a_life(kind: &'static Kind, heater: Heater, seed: u64) -> Result<(f64, String), String> {
+fn break_in_a_life(row: &'static Row, heater: Heater, seed: u64) -> Result<(f64, String), String> {
     let machine = Machine::of(seed);
-    let must = if HARMLESS.contains(&kind.name) { Must::BeHarmless } else { Must::BeFound };
+    let must = if HARMLESS.contains(&row.word) { Must::BeHarmless } else { Must::BeFound };
     live(&machine, seed, |life| {
         if let Some((act, fault)) = tune_first(life).or_else(|| use_it(life, 0.3)) {
             return Err(format!("a false alarm before anything broke: {act}: {fault}\n{}", life.story()));
         }
-        let mut accident = kind.at(0.0);
-        if let Does::Sensor(_) | Does::Heater(_) = kind.does {
-            accident = Accident { place: corehbot_sim::heat_plant::accident::Where::Heater(heater), ..accident };
-        }
+        let is_of_heater = matches!(row.does, Does::Sensor(_) | Does::Heater(_));
+        let place = if is_of_heater { format!(":{}", heater.name()) } else { String::new() };
+        let accident: Accident = format!("{}{place}@0s", row.word).parse().unwrap();
         // At rest, while it heats, or while it holds.
         if life.dice.below(3) > 0 {
             let [hotend, bed] = targets(life);
@@ -373,7 +372,7 @@ fn break_in_a_life(kind: &'static Kind, heater: Heater, seed: u64) -> Result<(f6
         }
         life.faults(|faults| accident.happen(faults));
         let broken = life.now();
-        life.log.push(format!("{broken:.1}: == {} {heater:?}", kind.name));
+        life.log.push(format!("{broken:.1}: == {} {heater:?}", row.word));
         // It is used on, and heated again.
         let mut rounds = 0;
         while !life.is_found() && rounds < 8 {
@@ -417,20 +416,20 @@ fn what_breaks_in_a_life_is_found() {
     let one = number("COREHBOT_SOAK_SEED");
     let mut cases = Vec::new();
     for seed in one.map_or_else(|| (0..seeds).collect::<Vec<_>>(), |seed| vec![seed]) {
-        for kind in &KINDS {
+        for row in ROWS.iter().filter(|row| matches!(row.family, Family::Heat | Family::Supply)) {
             let heaters: &[Heater] =
-                if is_of_hotend_and_bed(kind) { &[Heater::Hotend] } else { &[Heater::Hotend, Heater::Bed] };
-            cases.extend(heaters.iter().map(|heater| (kind, *heater, 1000 + seed)));
+                if is_of_hotend_and_bed(row) { &[Heater::Hotend] } else { &[Heater::Hotend, Heater::Bed] };
+            cases.extend(heaters.iter().map(|heater| (row, *heater, 1000 + seed)));
         }
     }
-    let ends: Vec<_> = cases.par_iter().map(|(kind, heater, seed)| break_in_a_life(kind, *heater, *seed)).collect();
+    let ends: Vec<_> = cases.par_iter().map(|(row, heater, seed)| break_in_a_life(row, *heater, *seed)).collect();
     let mut missed = 0;
-    for ((kind, heater, seed), end) in cases.iter().zip(ends) {
+    for ((row, heater, seed), end) in cases.iter().zip(ends) {
         match end {
-            Ok((time, found)) => println!("{} {heater:?} (seed {seed}): {time:.0} s, {found}", kind.name),
+            Ok((time, found)) => println!("{} {heater:?} (seed {seed}): {time:.0} s, {found}", row.word),
             Err(why) => {
                 missed += 1;
-                println!("MISSED {} {heater:?} (seed {seed}): {why}\n", kind.name);
+                println!("MISSED {} {heater:?} (seed {seed}): {why}\n", row.word);
             }
         }
     }

@@ -1,12 +1,8 @@
 //! The bed and the probe of the simulated machine as commands define them: what differs from a flat bed and a sound
-//! probe (`--bed`), and what breaks when (`accident`).
+//! probe (`--bed`).
 //!
 //! By default the probe is where the machine's settings say. With `--bed offset.z=-1.1` it is elsewhere, and the
 //! firmware has to find out.
-
-pub mod accident;
-
-pub use accident::ProbeAccident;
 
 use corehbot::settings::Settings;
 use corehbot_rig::bed::BedSetup;

@@ -2,11 +2,9 @@
 //!
 //! A hit is an obstacle for the tool: when the tool first comes within 1 mm of a place on its way, a force acts against
 //! its motion for a time. The force opposes motion up to a limit in newtons; a tool that has stopped is held, and not
-//! thrown back. A brake rubs on a rotor from some motion time on, for good or for a time. Parts that
-//! break are in [`part`](super::part).
+//! thrown back. Parts that break are rows of the [table](crate::accident::table).
 
-use super::part::PartAccident;
-use corehbot::motors::MotorName;
+use crate::accident::Accident;
 use corehbot::units::TICKS_PER_MS;
 use corehbot_twin::math::hypot;
 
@@ -25,9 +23,6 @@ const LONGEST_MS: f64 = 60_000.0;
 /// Farthest place, in mm: as `--assume-homed` has it.
 const FARTHEST_MM: f64 = 5000.0;
 
-/// Latest begin of a brake, in s: a year.
-const LATEST_S: f64 = 31_536_000.0;
-
 /// A force on the tool.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
@@ -39,98 +34,60 @@ pub struct Hit {
     pub ms: f64,
 }
 
-/// Dry friction on a rotor.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Brake {
-    /// The braked motor, which must have a belt.
-    pub motor: MotorName,
-    /// How strong, at the belt.
-    pub force_n: f64,
-    /// From which motion time on.
-    pub from_s: f64,
-    /// Duration; `None` is for good.
-    pub ms: Option<f64>,
-}
-
 /// All of them.
 #[derive(Clone, Debug, Default)]
 pub struct Accidents {
     /// Hits.
     pub hits: Vec<Hit>,
-    /// Brakes.
-    pub brakes: Vec<Brake>,
-    /// Parts that break.
-    pub parts: Vec<PartAccident>,
+    /// Parts that break or rub.
+    pub parts: Vec<Accident>,
 }
 
-/// Why a text does not describe an accident.
+/// Why a text does not describe a hit.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum AccidentError {
-    /// Another number of parts than this.
-    Parts(&'static str),
+pub enum HitError {
+    /// It has not four parts.
+    Parts,
     /// A part that is not a legal number: the allowed values, and the given text.
     Number(&'static str, String),
-    /// No motor can have this name.
-    Motor(String),
 }
 
-impl std::fmt::Display for AccidentError {
+impl std::fmt::Display for HitError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Parts(wanted) => write!(f, "expected {wanted}"),
+            Self::Parts => f.write_str("expected X,Y,N,MS"),
             Self::Number(what, text) => write!(f, "`{text}` is not a {what}"),
-            Self::Motor(name) => write!(f, "`{name}` is not the name of a motor"),
         }
     }
 }
 
-impl std::error::Error for AccidentError {}
+impl std::error::Error for HitError {}
 
 /// A number within bounds, both included.
-fn number(text: &str, what: &'static str, [least, most]: [f64; 2]) -> Result<f64, AccidentError> {
+fn number(text: &str, what: &'static str, [least, most]: [f64; 2]) -> Result<f64, HitError> {
     let number = text.trim().parse::<f64>().ok().filter(|number| (least..=most).contains(number));
-    number.ok_or_else(|| AccidentError::Number(what, text.to_owned()))
+    number.ok_or_else(|| HitError::Number(what, text.to_owned()))
 }
 
-fn force_of(text: &str) -> Result<f64, AccidentError> {
+fn force_of(text: &str) -> Result<f64, HitError> {
     number(text, "force of 0 to 10,000 N", [0.0, MOST_N])
 }
 
 /// With 0 it would end as it begins.
-fn duration_ms(text: &str) -> Result<f64, AccidentError> {
+fn duration_ms(text: &str) -> Result<f64, HitError> {
     number(text, "time above 0 and up to 60,000 ms", [f64::MIN_POSITIVE, LONGEST_MS])
 }
 
 impl std::str::FromStr for Hit {
-    type Err = AccidentError;
+    type Err = HitError;
 
-    fn from_str(text: &str) -> Result<Self, AccidentError> {
+    fn from_str(text: &str) -> Result<Self, HitError> {
         let [x, y, force, ms] = text.split(',').collect::<Vec<_>>()[..] else {
-            return Err(AccidentError::Parts("X,Y,N,MS"));
+            return Err(HitError::Parts);
         };
         let place = |text| number(text, "position in mm", [-FARTHEST_MM, FARTHEST_MM]);
         let ms = duration_ms(ms)?;
         Ok(Self { at_mm: [place(x)?, place(y)?], force_n: force_of(force)?, ms })
-    }
-}
-
-impl std::str::FromStr for Brake {
-    type Err = AccidentError;
-
-    fn from_str(text: &str) -> Result<Self, AccidentError> {
-        let (motor, force, from, ms) = match text.split(',').collect::<Vec<_>>()[..] {
-            [motor, force] => (motor, force, "0", None),
-            [motor, force, from] => (motor, force, from, None),
-            [motor, force, from, ms] => (motor, force, from, Some(ms)),
-            _ => return Err(AccidentError::Parts("MOTOR,N or MOTOR,N,S or MOTOR,N,S,MS")),
-        };
-        let from_s = number(from, "time in s", [0.0, LATEST_S])?;
-        Ok(Self {
-            motor: MotorName::new(motor.trim()).ok_or_else(|| AccidentError::Motor(motor.to_owned()))?,
-            force_n: force_of(force)?,
-            from_s,
-            ms: ms.map(duration_ms).transpose()?,
-        })
     }
 }
 
@@ -196,27 +153,14 @@ fn ticks(ms: f64) -> u64 {
 mod tests {
     use super::*;
 
-    fn named(name: &str) -> MotorName {
-        MotorName::new(name).unwrap()
-    }
-
     #[test]
-    fn accidents_are_read_or_named() {
+    fn hits_are_read_or_named() {
         assert_eq!("100,85.5,200,30".parse(), Ok(Hit { at_mm: [100.0, 85.5], force_n: 200.0, ms: 30.0 }));
-        assert_eq!("m11,40".parse(), Ok(Brake { motor: named("m11"), force_n: 40.0, from_s: 0.0, ms: None }));
-        assert_eq!("m1,40,2.5".parse(), Ok(Brake { motor: named("m1"), force_n: 40.0, from_s: 2.5, ms: None }));
-        let brief = Brake { motor: named("m8"), force_n: 40.0, from_s: 2.5, ms: Some(30.0) };
-        assert_eq!("m8,40,2.5,30".parse(), Ok(brief));
         let hit = |text: &str| text.parse::<Hit>().unwrap_err().to_string();
         assert_eq!(hit("1,2,3"), "expected X,Y,N,MS");
         assert_eq!(hit("1,nan,3,4"), "`nan` is not a position in mm");
         assert_eq!(hit("1,2,-3,4"), "`-3` is not a force of 0 to 10,000 N");
         assert_eq!(hit("1,2,3,inf"), "`inf` is not a time above 0 and up to 60,000 ms");
-        let brake = |text: &str| text.parse::<Brake>().unwrap_err().to_string();
-        assert_eq!(brake("a motor,3"), "`a motor` is not the name of a motor");
-        assert_eq!(brake("m1"), "expected MOTOR,N or MOTOR,N,S or MOTOR,N,S,MS");
-        assert_eq!(brake("m1,3,-1"), "`-1` is not a time in s");
-        assert_eq!(brake("m1,3,2,0"), "`0` is not a time above 0 and up to 60,000 ms");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Find: the part of a machine that an accident names.
 
 use super::layout::{Layout, LayoutError};
-use super::part::PartAccident;
+use crate::accident::Accident;
 use corehbot::motors::MotorName;
 use corehbot_twin::live::failing::idlers_of;
 use corehbot_twin::routing::Belt;
@@ -16,14 +16,14 @@ pub(super) enum Part {
 }
 
 impl Layout {
-    /// The twin's motors of this name, by their places: a driver may turn two.
+    /// All motors of an accident's name, by their places: a driver may turn two. A number is that of one motor.
     ///
     /// # Errors
-    /// The name is not that of a motor with a belt.
-    pub(super) fn motors_of(&self, name: MotorName) -> Result<Vec<usize>, LayoutError> {
-        let motors = self.drives.iter().enumerate().filter(|(_, drive)| drive.name == name);
-        let motors: Vec<usize> = motors.map(|(index, _)| index).collect();
-        if motors.is_empty() { Err(LayoutError::NoBrake(name, self.names())) } else { Ok(motors) }
+    /// There is no such motor.
+    pub(super) fn motors_of(&self, accident: &Accident) -> Result<Vec<usize>, LayoutError> {
+        let named = self.drives.iter().enumerate().filter(|(_, drive)| drive.name.as_str() == accident.name);
+        let motors: Vec<usize> = named.map(|(index, _)| index).collect();
+        if motors.is_empty() { Ok(vec![self.motor_part(accident)?]) } else { Ok(motors) }
     }
 
     /// The different names of its motors.
@@ -41,9 +41,9 @@ impl Layout {
     ///
     /// # Errors
     /// There is no such part.
-    pub(super) fn part(&self, accident: &PartAccident) -> Result<Part, LayoutError> {
-        let named = self.drives.iter().position(|drive| drive.name.as_str() == accident.place);
-        let number = || accident.place.parse::<u8>().ok().filter(|number| *number > 0);
+    pub(super) fn part(&self, accident: &Accident) -> Result<Part, LayoutError> {
+        let named = self.drives.iter().position(|drive| drive.name.as_str() == accident.name);
+        let number = || accident.name.parse::<u8>().ok().filter(|number| *number > 0);
         let numbered = || self.machine.motors().iter().position(|motor| Some(*motor) == number());
         if let Some(motor) = named.or_else(numbered) {
             return Ok(Part::Motor(motor));
@@ -53,7 +53,7 @@ impl Layout {
             let mut idlers: Vec<u8> = self.machine.stops().iter().filter(|s| s.is_idler()).map(|s| s.number).collect();
             idlers.sort_unstable();
             idlers.dedup();
-            return Err(LayoutError::NoPart(accident.text.clone(), accident.place.clone(), self.names(), idlers));
+            return Err(LayoutError::NoPart(accident.text.clone(), accident.name.clone(), self.names(), idlers));
         }
         Ok(Part::Idlers(stops))
     }
@@ -62,8 +62,8 @@ impl Layout {
     ///
     /// # Errors
     /// There is no such motor.
-    pub(super) fn motor_part(&self, accident: &PartAccident) -> Result<usize, LayoutError> {
-        let missing = || LayoutError::NoPart(accident.text.clone(), accident.place.clone(), self.names(), Vec::new());
+    pub(super) fn motor_part(&self, accident: &Accident) -> Result<usize, LayoutError> {
+        let missing = || LayoutError::NoPart(accident.text.clone(), accident.name.clone(), self.names(), Vec::new());
         match self.part(accident) {
             Ok(Part::Motor(motor)) => Ok(motor),
             Ok(Part::Idlers(_)) | Err(_) => Err(missing()),

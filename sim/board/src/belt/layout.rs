@@ -67,8 +67,6 @@ pub enum LayoutError {
     },
     /// The tool begins where it cannot be, in G-code's coordinates.
     OutOfReach(Vec<f64>),
-    /// A brake for a motor without a belt; these have one.
-    NoBrake(MotorName, Vec<MotorName>),
     /// An accident, as it was written, of a part that the machine does not have: these motors have belts, and these
     /// pulleys could break so.
     NoPart(String, String, Vec<MotorName>, Vec<u8>),
@@ -104,7 +102,6 @@ impl std::fmt::Display for LayoutError {
                 by(axes),
                 by(reach)
             ),
-            Self::NoBrake(name, known) => write!(f, "`{name}` is not a belt motor: {}", listed(known)),
             Self::NoPart(_, place, motors, pulleys) if pulleys.is_empty() => {
                 write!(f, "`{place}` is not a belt motor: {}", listed(motors))
             }
@@ -317,9 +314,10 @@ mod tests {
     }
 
     #[test]
-    fn a_brake_rubs_on_a_motor_with_a_belt_by_the_name_of_its_file() {
+    fn what_rubs_is_a_motor_with_a_belt_by_the_name_of_its_file() {
         let why = |file: &str, name: &str| {
-            layout(file).unwrap().motors_of(MotorName::new(name).unwrap()).map_err(|error| error.to_string())
+            let accident = format!("rub:{name}@1s").parse().unwrap();
+            layout(file).unwrap().motors_of(&accident).map_err(|error| error.to_string())
         };
         assert_eq!(why("prototype.toml", "m8"), Ok(vec![2]));
         assert_eq!(why("prototype.toml", "z1"), Err("`z1` is not a belt motor: m1, m4, m8, m11".to_owned()));

@@ -11,7 +11,7 @@
 //!
 //! - A *phase* is the place of a motor's magnetic zero against the belt at power-up.
 //! - A *skip* is a rotor that settled in another electrical turn than its field.
-//! - A *hit* is an obstacle in the tool's way. A *brake* rubs on a rotor.
+//! - A *hit* is an obstacle in the tool's way. A motor that *rubs* has friction at its rotor.
 //! - The *torque share* is the part of its available torque that a motor bears.
 //! - A tool is *off* by its distance from the place that the steps say, counted from the place where homing met each
 //!   switch.
@@ -21,8 +21,7 @@
 //! | file | content |
 //! |---|---|
 //! | [`layout`] | which machine of the twin the settings are, and which motor turns which |
-//! | [`accident`] | hits and brakes, as the command line has them |
-//! | [`part`] | accidents of parts, as the command line has them |
+//! | [`accident`] | hits, as the command line has them, and how far an accident has come |
 //! | `find` | the part of a machine that an accident names |
 //! | `trouble` | what accidents do to the machine, and since when |
 //! | `timeline` | motion time of an instant that has passed |
@@ -38,7 +37,6 @@ pub mod figures;
 mod find;
 pub mod layout;
 mod load;
-pub mod part;
 mod timeline;
 mod trouble;
 

@@ -3,7 +3,8 @@
 use super::accident::{AccidentState, Accidents, Hit};
 use super::find::Part;
 use super::layout::{Layout, LayoutError};
-use super::part::{Does, PartAccident};
+use crate::accident::Accident;
+use crate::accident::table::{Does, Wear};
 use corehbot_twin::live::Live;
 use corehbot_twin::live::failing::seized_idler_n;
 use corehbot_twin::routing::Place;
@@ -37,8 +38,8 @@ struct Failing {
     state: AccidentState,
     /// The instant at which it begins, in ticks, as soon as that is known.
     due: Option<u64>,
-    /// The accident as it was written; a brake has none.
-    text: Option<String>,
+    /// The accident as it was written.
+    text: String,
 }
 
 /// The accidents of a machine.
@@ -54,16 +55,13 @@ impl Trouble {
     /// # Errors
     /// The machine has no such part.
     pub(super) fn new(accidents: Accidents, layout: &Layout, start: Place) -> Result<(Self, Vec<usize>), LayoutError> {
-        let Accidents { hits, brakes, parts } = accidents;
-        let mut failing = Vec::new();
-        for brake in brakes {
-            let effect = Effect::Rub(layout.motors_of(brake.motor)?, brake.force_n);
-            failing.push(Failing::new(effect, brake.from_s, brake.ms, None));
-        }
-        let mut idlers = Vec::new();
+        let Accidents { hits, parts } = accidents;
+        let (mut failing, mut idlers) = (Vec::new(), Vec::new());
         for part in parts {
-            let effect = effect_of(&part, layout, start, &mut idlers)?;
-            failing.push(Failing::new(effect, part.from_s, part.ms, Some(part.text)));
+            let Does::Belts(wear) = part.row.does else { continue };
+            let effect = effect_of(wear, &part, layout, start, &mut idlers)?;
+            let ms = part.lasts_s.map(|seconds| 1000.0 * seconds);
+            failing.push(Failing::new(effect, part.at_s, ms, part.text));
         }
         // The plant has its idlers in the order of their stops.
         let mut stops = idlers.clone();
@@ -176,19 +174,19 @@ impl Trouble {
 
     /// Each accident of a part: its text, when it began, and the motor with a belt that it moves on.
     pub(super) fn of_parts(&self) -> impl Iterator<Item = (&str, Option<f64>, Option<usize>)> {
-        self.parts.iter().filter_map(|part| {
+        self.parts.iter().map(|part| {
             let motor = match part.effect {
                 Effect::Loosen(motor, _) | Effect::Jump(motor, _) => Some(motor),
                 _ => None,
             };
             let began_s = (part.state != AccidentState::Waiting).then_some(part.from_s);
-            Some((part.text.as_deref()?, began_s, motor))
+            (part.text.as_str(), began_s, motor)
         })
     }
 }
 
 impl Failing {
-    const fn new(effect: Effect, from_s: f64, ms: Option<f64>, text: Option<String>) -> Self {
+    const fn new(effect: Effect, from_s: f64, ms: Option<f64>, text: String) -> Self {
         Self { effect, from_s, ms, state: AccidentState::Waiting, due: None, text }
     }
 
@@ -206,15 +204,17 @@ impl Failing {
 
 /// The effect of an accident on its part. Idlers that it seizes are added to `idlers`.
 fn effect_of(
-    part: &PartAccident,
+    wear: Wear,
+    part: &Accident,
     layout: &Layout,
     start: Place,
     idlers: &mut Vec<usize>,
 ) -> Result<Effect, LayoutError> {
     let how = part.how.unwrap_or_default();
     let motor = || layout.motor_part(part);
-    Ok(match part.kind.does {
-        Does::Seize => match layout.part(part)? {
+    Ok(match wear {
+        Wear::Rub => Effect::Rub(layout.motors_of(part)?, how),
+        Wear::Seize => match layout.part(part)? {
             Part::Motor(motor) => Effect::Rub(vec![motor], part.how.unwrap_or(STALLS_N)),
             Part::Idlers(stops) => {
                 let force_n = |stop| {
@@ -230,17 +230,17 @@ fn effect_of(
                 Effect::Seize(stops.into_iter().map(|stop| (place_of(stop), force_n(stop))).collect())
             }
         },
-        Does::Loosen => {
+        Wear::Loosen => {
             let motor = motor()?;
             let held = |holds: bool| if holds { f64::INFINITY } else { how.abs() };
             // A motor that drives forward is pulled back.
             let [back, forward] = [held(part.direction < 0), held(part.direction > 0)];
             Effect::Loosen(motor, if layout.sense(motor) > 0.0 { [back, forward] } else { [forward, back] })
         }
-        Does::Jump => {
+        Wear::Jump => {
             let motor = motor()?;
             Effect::Jump(motor, how * layout.sense(motor))
         }
-        Does::Weaken => Effect::Weaken(layout.belt_of(motor()?), how / 100.0),
+        Wear::Weaken => Effect::Weaken(layout.belt_of(motor()?), how / 100.0),
     })
 }

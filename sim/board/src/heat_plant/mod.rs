@@ -1,14 +1,12 @@
 //! The heat of the simulated machine as commands and files define it: the true values of its heaters (`truth`), and its
-//! accidents with their times (`accident`).
+//! accidents with their times.
 //!
 //! By default, the heat plant follows the machine's settings. Then the firmware never meets heaters that differ from
 //! its settings. With `--plant-heat` the heaters have their own values, and the firmware has to find out.
 
-pub mod accident;
 pub mod truth;
 
-pub use accident::{Accident, AccidentError};
-
+use crate::accident::Accident;
 use corehbot_rig::plant::PlantConstants;
 
 /// The heaters' true values, and their accidents.

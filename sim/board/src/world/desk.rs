@@ -2,7 +2,7 @@
 
 use super::ZShifts;
 use crate::accelerometer::SensorTruth;
-use crate::bed_plant::ProbeAccident;
+use crate::accident::Accident;
 use crate::belt::BeltPlant;
 use crate::heat_plant::HeatSetup;
 use crate::mesh_log::MeshLog;
@@ -24,7 +24,7 @@ pub struct Desk {
     /// The bed of a machine with a probe; without it, a flat one. It keeps its state across a restart.
     pub bed: Option<Box<BedPlant>>,
     /// The probe's accidents, by time.
-    pub probe_accidents: Vec<ProbeAccident>,
+    pub probe_accidents: Vec<Accident>,
     /// The mesh that the firmware has of it, which z follows.
     pub mesh: Option<Mesh>,
     /// What a mesh does, if that is asked for.

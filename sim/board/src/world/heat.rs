@@ -5,6 +5,7 @@ use crate::ends::{HeatPeriod, HeaterPeriod};
 use corehbot::connectors::Heater;
 use corehbot::thermal::PERIOD_MS;
 use corehbot::units::{Celsius, TICKS_PER_MS, TICKS_PER_SECOND};
+use corehbot_rig::bed::probe::ProbeFault;
 use corehbot_rig::heat::Heat;
 use corehbot_rig::plant::Plant;
 
@@ -29,7 +30,7 @@ impl World<'_> {
     fn befall(&mut self) {
         let seconds = self.shared.now.get() as f64 / f64::from(TICKS_PER_SECOND);
         while let Some((_, fault)) = self.probe_accidents.pop_front_if(|(at_s, _)| *at_s <= seconds) {
-            self.stepper.port().fail(fault);
+            self.fail_probe(fault);
         }
         while let [first, later @ ..] = self.accidents {
             if first.at_s * f64::from(TICKS_PER_SECOND) > self.shared.now.get() as f64 {
@@ -65,6 +66,11 @@ impl World<'_> {
     /// Its heat.
     pub const fn heat(&mut self) -> &mut Heat {
         self.thermal.port()
+    }
+
+    /// The probe fails, or is whole again, at once.
+    pub fn fail_probe(&mut self, fault: ProbeFault) {
+        self.stepper.port().fail(fault);
     }
 
     /// Its heat, for the next world: a restart of the firmware cools nothing.

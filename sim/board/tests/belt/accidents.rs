@@ -16,11 +16,10 @@ const TABLE: [(&str, [f64; 3]); 4] = [
 /// The middle of the reach, where every move here ends.
 const MIDDLE: [&str; 3] = ["G1 X195 Y208.8 F6000", "M400", "G4 P500"];
 
-fn after(start: [f64; 2], hits: &[&str], brakes: &[&str]) -> BeltFigures {
+fn after(start: [f64; 2], hits: &[&str], parts: &[&str]) -> BeltFigures {
     let hits = hits.iter().map(|hit| hit.parse().unwrap()).collect();
-    let brakes = brakes.iter().map(|brake| brake.parse().unwrap()).collect();
-    let (_, plant) =
-        print(Some([start[0], start[1], 10.0]), Accidents { hits, brakes, ..Accidents::default() }, &MIDDLE);
+    let parts = parts.iter().map(|part| part.parse().unwrap()).collect();
+    let (_, plant) = print(Some([start[0], start[1], 10.0]), Accidents { hits, parts }, &MIDDLE);
     plant.figures()
 }
 
@@ -42,8 +41,8 @@ fn a_strong_hit_makes_motors_skip_as_the_slip_table_says() {
     for (start, driving, hit) in
         [([175.0, 188.8], ["m4", "m11"], "190,203.8,180,14"), ([215.0, 188.8], ["m1", "m8"], "200,203.8,180,14")]
     {
-        for brakes in [&[][..], &["m11,5", "m1,5"]] {
-            let figures = after(start, &[hit], brakes);
+        for rubbing in [&[][..], &["rub:m11:5N@0s", "rub:m1:5N@0s"]] {
+            let figures = after(start, &[hit], rubbing);
             assert!(!figures.skips.is_empty(), "{figures}");
             for skip in &figures.skips {
                 assert!(driving.contains(&skip.motor.as_str()) && skip.turns != 0, "{figures}");
@@ -58,7 +57,7 @@ fn a_strong_hit_makes_motors_skip_as_the_slip_table_says() {
         }
     }
     // Where one motor of the pair skips once more, belt is strained.
-    let figures = after([175.0, 188.8], &["190,203.8,180,14"], &["m11,5"]);
+    let figures = after([175.0, 188.8], &["190,203.8,180,14"], &["rub:m11:5N@0s"]);
     assert!((figures.residual_mm.unwrap().abs() - 0.618).abs() < 0.015, "{figures}");
 }
 
@@ -75,10 +74,10 @@ fn a_weak_hit_makes_none_and_the_tool_catches_up() {
 #[test]
 fn a_motor_that_rubs_more_than_it_holds_skips_and_one_that_rubs_less_does_not() {
     // 0.40 N m are 63 N at the belt, and the other motors pull, too.
-    let figures = after([175.0, 208.8], &[], &["m8,200,0.1"]);
+    let figures = after([175.0, 208.8], &[], &["rub:m8:200N@0.1s"]);
     assert!(figures.skips.iter().any(|skip| skip.motor.as_str() == "m8" && skip.turns < 0), "{figures}");
     assert!(figures.skips.iter().all(|skip| skip.time_s > 0.09), "{figures}");
-    let figures = after([175.0, 208.8], &[], &["m8,20"]);
+    let figures = after([175.0, 208.8], &[], &["rub:m8:20N@0s"]);
     assert!(figures.skips.is_empty(), "{figures}");
     let shares: Vec<f64> = figures.motors.iter().map(|motor| motor.largest_torque_share).collect();
     assert!(shares[2] > shares[0] + 0.1 && shares[2] > shares[1] + 0.1, "{figures}");

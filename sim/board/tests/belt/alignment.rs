@@ -187,8 +187,8 @@ fn a_skip_while_motors_are_aligned_is_noticed() {
         let said = printed.heard.iter().find_map(|line| line.split_once("aligned at a phase of "))?;
         said.1.split('/').next()?.parse::<u16>().ok()
     };
-    let m915 = |settings: &Settings, brakes| {
-        let mut plant = plant_of(Params::default(), START, 3, Accidents { brakes, ..Accidents::default() });
+    let m915 = |settings: &Settings, parts| {
+        let mut plant = plant_of(Params::default(), START, 3, Accidents { parts, ..Accidents::default() });
         let lines = ["M915", "M17", "G28 X Y", "G1 X100 Y120 F6000", "M400", "M122", "M503"];
         (print_as(settings, &mut plant, Some(START), &lines), plant.unwrap())
     };
@@ -198,7 +198,7 @@ fn a_skip_while_motors_are_aligned_is_noticed() {
     settings.belt.phases[0] = known;
     let mut noticed = 0;
     for at_s in [8.0, 20.0, 38.0, 43.0] {
-        let (printed, mut plant) = m915(&settings, vec![format!("m11,190,{at_s},25").parse().unwrap()]);
+        let (printed, mut plant) = m915(&settings, vec![format!("rub:m11:190N@{at_s}s+0.025s").parse().unwrap()]);
         plant.ring_out();
         let (figures, [x, y]) = (plant.figures(), plant.tool_mm());
         let is_strained = figures.residual_mm.unwrap().abs() > SIXTEENTH_MM;

@@ -3,7 +3,7 @@
 use crate::belt::printer::{of_each, plant_of, print_as, seeds};
 use corehbot::motors::MotorName;
 use corehbot::settings::Settings;
-use corehbot_sim::belt::accident::{Accidents, Brake};
+use corehbot_sim::belt::accident::Accidents;
 use corehbot_sim::belt::figures::SkipFigures;
 use corehbot_sim::belt::{BeltPlant, BeltSetup};
 use corehbot_twin::description::Description;
@@ -60,15 +60,13 @@ fn story(gcode: &str, seed: u64) -> Story {
     let mut random = Random::new(seed, 0x736b_6970);
     let names = ["m1", "m4", "m8", "m11"];
     let name = names[(random.unit() * 4.0) as usize % 4];
-    let brake: Brake = format!(
-        "{name},{:.0},{:.3},{:.1}",
+    let rub = format!(
+        "rub:{name}:{:.0}N@{:.3}s+{:.4}s",
         120.0 + 60.0 * random.unit(),
         BEGIN_S + WINDOW_S * random.unit(),
-        6.0 + 14.0 * random.unit()
-    )
-    .parse()
-    .unwrap();
-    let accidents = Accidents { brakes: vec![brake], ..Accidents::default() };
+        0.006 + 0.014 * random.unit()
+    );
+    let accidents = Accidents { parts: vec![rub.parse().unwrap()], ..Accidents::default() };
     let moves = moves_of(gcode, (random.unit() * 1e4) as usize);
     let lines = ["M915"].into_iter().chain(moves.iter().map(String::as_str));
     // Every fourth story is homed first, which removes the evidence at the switches.
@@ -149,7 +147,7 @@ fn a_skip_is_found_after_x_and_y_were_homed() {
     let setup = BeltSetup {
         twin: Description::default(),
         seed: Some(7),
-        accidents: Accidents { brakes: vec!["m11,170,57.36,14".parse().unwrap()], ..Accidents::default() },
+        accidents: Accidents { parts: vec!["rub:m11:170N@57.36s+0.014s".parse().unwrap()], ..Accidents::default() },
     };
     let mut plant = Some(Box::new(BeltPlant::new(&Settings::prototype(), None, false, setup, 0).unwrap()));
     let lines: Vec<&str> = ["G28", "G1 Z5 F900"].into_iter().chain(lines).collect();
@@ -171,7 +169,7 @@ fn the_tool_is_back_where_it_was_after_a_repair() {
     let setup = BeltSetup {
         twin: Description::default(),
         seed: Some(7),
-        accidents: Accidents { brakes: vec!["m11,170,57.36,14".parse().unwrap()], ..Accidents::default() },
+        accidents: Accidents { parts: vec!["rub:m11:170N@57.36s+0.014s".parse().unwrap()], ..Accidents::default() },
     };
     let mut plant = Some(Box::new(BeltPlant::new(&Settings::prototype(), None, false, setup, 0).unwrap()));
     let printed = print_as(&Settings::prototype(), &mut plant, None, &lines);
@@ -192,14 +190,13 @@ fn the_example_in_the_documentation_is_what_happens() {
     let (gcode, docs) = (read("examples/belt/skip-and-repair.gcode"), read("docs/explanation/belt/skips.md"));
     let lines: Vec<&str> = gcode.lines().map(|line| line.split(';').next().unwrap().trim()).collect();
     let lines: Vec<&str> = lines.into_iter().filter(|line| !line.is_empty()).collect();
-    for (hit, brake, skips) in [(Some("190,203.8,180,14"), "m11,5", 2), (None, "m11,170,57.36,14", 1)] {
-        let arguments = hit.map_or(String::new(), |hit| format!(" --hit {hit}")) + " --brake " + brake;
+    for (hit, rub, skips) in [(Some("190,203.8,180,14"), "rub:m11:5N@0s", 2), (None, "rub:m11:170N@57.36s+0.014s", 1)] {
+        let arguments = hit.map_or(String::new(), |hit| format!(" --hit {hit}")) + " --break " + rub;
         let command = format!("corehbot run examples/belt/skip-and-repair.gcode --plant belt --seed 7{arguments}\n");
         assert!(docs.contains(&command) && gcode.contains(&command), "{command}");
         let accidents = Accidents {
             hits: hit.into_iter().map(|hit| hit.parse().unwrap()).collect(),
-            brakes: vec![brake.parse().unwrap()],
-            ..Accidents::default()
+            parts: vec![rub.parse().unwrap()],
         };
         let setup = BeltSetup { twin: Description::default(), seed: Some(7), accidents };
         let mut plant = Some(Box::new(BeltPlant::new(&Settings::prototype(), None, false, setup, 0).unwrap()));

@@ -10,7 +10,8 @@ use corehbot::motors::EndstopSet;
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot::units::Mm;
-use corehbot_sim::belt::accident::{Accidents, Brake};
+use corehbot_sim::accident::Accident;
+use corehbot_sim::belt::accident::Accidents;
 use corehbot_sim::belt::{BeltPlant, BeltSetup};
 use corehbot_sim::world::Desk;
 use corehbot_twin::description::Description;
@@ -37,21 +38,21 @@ enum Trouble {
     RubbingForAWhile,
 }
 
-fn accidents(trouble: Trouble, random: &mut Random) -> Vec<Brake> {
+fn accidents(trouble: Trouble, random: &mut Random) -> Vec<Accident> {
     let mut accident = |newtons: [f64; 2], ms: Option<[f64; 2]>| {
         let name = ["m1", "m4", "m8", "m11"][(random.unit() * 4.0) as usize % 4];
         let mut between = |[least, most]: [f64; 2]| least + (most - least) * random.unit();
         // A motor that begins to rub after the proof is found by the next proof.
         let until_s = if trouble == Trouble::Held { ALL_S } else { 90.0 };
         let (force, from, ms) = (between(newtons), between([0.0, until_s]), ms.map(between));
-        let ms = ms.map_or(String::new(), |ms| format!(",{ms:.1}"));
-        format!("{name},{force:.0},{from:.3}{ms}").parse().unwrap()
+        let lasts = ms.map_or(String::new(), |ms| format!("+{:.4}s", ms / 1000.0));
+        format!("rub:{name}:{force:.0}N@{from:.3}s{lasts}").parse().unwrap()
     };
     match trouble {
         Trouble::Held => {
             let held = ([100.0, 200.0], Some([5.0, 30.0]));
-            let first: Brake = accident(held.0, held.1);
-            let count = (first.force_n as usize) % 3;
+            let first: Accident = accident(held.0, held.1);
+            let count = (first.how.unwrap() as usize) % 3;
             std::iter::once(first).chain((0..count).map(|_| accident(held.0, held.1))).collect()
         }
         // A motor holds 63 N.
@@ -74,12 +75,13 @@ struct Story {
     off_mm: [f64; 2],
     residual_mm: f64,
     heard: Vec<String>,
-    brakes: Vec<Brake>,
+    rubbing: Vec<String>,
 }
 
 fn story(trouble: Trouble, seed: u64) -> Story {
     let mut random = Random::new(seed, 0x7472_7573 + trouble as u64);
-    let brakes = accidents(trouble, &mut random);
+    let parts = accidents(trouble, &mut random);
+    let rubbing = parts.iter().map(|part| part.text.clone()).collect();
     let mut lines: Vec<String> = vec!["M915".into()];
     // A zigzag of 25 s at 100 mm/s, each way another.
     for _ in 0..40 {
@@ -99,7 +101,7 @@ fn story(trouble: Trouble, seed: u64) -> Story {
     }
     lines.push("M114".to_owned());
     let lines: Vec<&str> = lines.iter().map(String::as_str).collect();
-    let accidents = Accidents { brakes: brakes.clone(), ..Accidents::default() };
+    let accidents = Accidents { parts, ..Accidents::default() };
     let mut plant = plant_of(Params::default(), START, seed, accidents);
     let printed = print_as(&Settings::prototype(), &mut plant, Some(START), &lines);
     let mut plant = plant.unwrap();
@@ -117,7 +119,7 @@ fn story(trouble: Trouble, seed: u64) -> Story {
         off_mm: [x - to_x, y - to_y],
         residual_mm: figures.residual_mm.unwrap(),
         heard: printed.heard.into_iter().filter(|line| line != "ok").collect(),
-        brakes,
+        rubbing,
     }
 }
 
@@ -134,8 +136,8 @@ fn hold_to_the_plant(trouble: Trouble, few: u64) {
         stories.len()
     );
     for (seed, story) in stories.iter().enumerate().filter(|(_, story)| story.is_trusted && !is_right(story)) {
-        let Story { skips, off_mm: [x, y], residual_mm, heard, brakes, .. } = story;
-        println!("{seed}: {brakes:?}, off {x:.3} {y:.3}, residual {residual_mm:.3}, {skips} skips, {heard:#?}");
+        let Story { skips, off_mm: [x, y], residual_mm, heard, rubbing, .. } = story;
+        println!("{seed}: {rubbing:?}, off {x:.3} {y:.3}, residual {residual_mm:.3}, {skips} skips, {heard:#?}");
     }
     assert_eq!(rightly, trusted, "{trouble:?}");
     assert!(trusted > 0 && skipped > 0, "{trouble:?}");
@@ -183,7 +185,7 @@ fn a_motor_that_seizes_is_named_and_the_belt_not_called_repaired() {
     let names = [("m1", "motor m1 "), ("m11", "motor m11 ")];
     let heard = of_each(0..2, |index| {
         let accidents = Accidents {
-            brakes: vec![format!("{},70,57", names[index as usize].0).parse().unwrap()],
+            parts: vec![format!("rub:{}:70N@57s", names[index as usize].0).parse().unwrap()],
             ..Accidents::default()
         };
         let setup = BeltSetup { twin: Description::default(), seed: Some(5), accidents };
