@@ -1,6 +1,6 @@
 //! Laps: whether the firmware counts the half laps of its clock's timer as the timer makes them.
 //!
-//! embassy's time is TIM2, 16 bits, and a count of its half laps. The count's last bit has to equal the counter's
+//! The firmware's time is TIM2, 16 bits, and a count of its half laps. The count's last bit has to equal the counter's
 //! highest bit, so that a read just after a half lap differs from a read before it. If these bits differ, the time
 //! sometimes goes back.
 

@@ -25,7 +25,7 @@ pub use handover::Handover;
 ///
 /// A store may still be in the write buffer when an exception returns. Then the processor may miss the exception that
 /// is pending, or take another one (ARM erratum 838869 of the Cortex-M4). The step interrupt would come late. No
-/// emulation shows this, and embassy's own interrupt of time does not do it.
+/// emulation shows this.
 #[cfg(target_os = "none")]
 #[inline(always)]
 pub fn finish_stores() {

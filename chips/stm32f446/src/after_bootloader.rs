@@ -2,8 +2,8 @@
 //!
 //! BTT's bootloader starts the firmware at 180 MHz from a PLL, with over-drive and a second PLL on. SDIO, DMA2 and
 //! USART3 are clocked and their interrupts enabled (emulator/src/bootloader.rs). Over-drive and voltage scale may
-//! change only while HSI or HSE is the system clock and the PLL is off (RM0390, 5.4.1). Version 0.6.0 of embassy-stm32
-//! resets PWR and switches over-drive on before it checks this. So this code leaves the PLLs first.
+//! change only while HSI or HSE is the system clock and the PLL is off (RM0390, 5.4.1). So this code leaves the PLLs
+//! first.
 //!
 //! Interrupts are masked since the reset vector (see `priorities`). No wait here is without an end.
 

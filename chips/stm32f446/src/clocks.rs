@@ -1,13 +1,10 @@
 //! Clocks: 180 MHz from the crystal, and 48 MHz for USB.
 
-use cortex_m::peripheral::NVIC;
-use embassy_stm32::pac::{FLASH, Interrupt, PWR, RCC, TIM2};
-use embassy_stm32::rcc::{
-    AHBPrescaler, APBPrescaler, Hse, HseMode, LsConfig, Pll, PllMul, PllPDiv, PllPreDiv, PllQDiv, PllRDiv, PllSource,
-    Sysclk,
-};
-use embassy_stm32::time::Hertz;
-use embassy_stm32::{Config, interrupt::Priority};
+use embassy_stm32::pac::flash::regs::Acr;
+use embassy_stm32::pac::flash::vals::Latency;
+use embassy_stm32::pac::pwr::vals::Vos;
+use embassy_stm32::pac::rcc::vals::{Hpre, Pllm, Plln, Pllp, Pllq, Pllr, Pllsrc, Ppre, Sw};
+use embassy_stm32::pac::{DBGMCU, FLASH, PWR, RCC};
 
 use crate::after_bootloader::comes;
 use crate::wiring::Crystal;
@@ -18,23 +15,29 @@ pub const CORE_HZ: u32 = 180_000_000;
 /// Clock of APB1: a quarter of 180 MHz.
 pub const APB1_HZ: u32 = 45_000_000;
 
+/// Clock of the timers on APB1: twice the bus's (RM0390, 6.2, figure of the clock tree).
+pub const APB1_TIMER_HZ: u32 = 2 * APB1_HZ;
+
 /// Clock of the timers on APB2: twice the bus's 90 MHz (RM0390, 6.2, figure of the clock tree).
 pub const APB2_TIMER_HZ: u32 = 180_000_000;
 
 /// The system clock is 2 MHz * 180 / 2.
-const MUL: PllMul = PllMul::MUL180;
-const DIVP: PllPDiv = PllPDiv::DIV2;
+const MUL: Plln = Plln::MUL180;
+const DIVP: Pllp = Pllp::DIV2;
 
 /// The two other outputs of the PLL are not used, but their divisors must be 2 or more (RM0390, 6.3.2): 45 and 180 MHz.
-const DIVQ: PllQDiv = PllQDiv::DIV8;
-const DIVR: PllRDiv = PllRDiv::DIV2;
+const DIVQ: Pllq = Pllq::DIV8;
+const DIVR: Pllr = Pllr::DIV2;
 
 /// Takes the 48 MHz of USB from PLLSAI instead of the main PLL (RM0390, 6.3.27, CK48MSEL).
 const CK48MSEL: u32 = 1 << 27;
 
-/// Starts crystal, over-drive and PLL once, one after the other, and returns the one that does not start. embassy-stm32
-/// 0.6.0 waits for each of them without an end. The internal oscillator is the system clock, before and after.
-pub fn try_out(crystal: Crystal) -> Result<(), &'static str> {
+/// Wait states at 180 MHz and 2.7 V or more (RM0390, 3.4.1, table of wait states).
+const WAIT_STATES: Latency = Latency::WS5;
+
+/// Starts crystal, over-drive and PLL, one after the other, and runs on from the PLL. Returns what does not start; the
+/// internal oscillator is then the system clock, as before. No wait is without an end.
+pub fn start(crystal: Crystal) -> Result<(), &'static str> {
     // Before the oscillator is on: afterwards the bit cannot be written (RM0390, 6.3.1, HSEBYP).
     RCC.cr().modify(|w| w.set_hsebyp(crystal == Crystal::Clock8MHz));
     RCC.cr().modify(|w| w.set_hseon(true));
@@ -47,8 +50,12 @@ pub fn try_out(crystal: Crystal) -> Result<(), &'static str> {
     RCC.apb1enr().modify(|w| w.set_pwren(true));
     // It answers two cycles after its clock is on (ES0298, delay after an RCC peripheral clock enabling).
     let _ = RCC.apb1enr().read();
-    // As embassy-stm32 does it later: in this order, on an oscillator and with the PLL off (RM0390, 5.1.4).
-    PWR.cr1().modify(|w| w.set_oden(true));
+    // Over-drive, which 180 MHz need: in this order, on an oscillator and with the PLL off (RM0390, 5.1.4). The voltage
+    // scale takes effect when the PLL is on (RM0390, 5.4.1, VOS).
+    PWR.cr1().modify(|w| {
+        w.set_vos(Vos::SCALE1);
+        w.set_oden(true);
+    });
     if !comes(|| PWR.csr1().read().odrdy()) {
         return Err("the supply of the processor has no over-drive");
     }
@@ -56,16 +63,9 @@ pub fn try_out(crystal: Crystal) -> Result<(), &'static str> {
     if !comes(|| PWR.csr1().read().odswrdy()) {
         return Err("the processor does not switch to over-drive");
     }
-    PWR.cr1().modify(|w| {
-        w.set_oden(false);
-        w.set_odswen(false);
-    });
-    if !comes(|| !PWR.csr1().read().odswrdy()) {
-        return Err("the processor does not leave over-drive");
-    }
-    // It takes values only with the PLL off (RM0390, 6.3.2), also those of embassy-stm32 later.
+    // It takes values only with the PLL off (RM0390, 6.3.2).
     RCC.pllcfgr().write(|w| {
-        w.set_pllsrc(PllSource::HSE);
+        w.set_pllsrc(Pllsrc::HSE);
         w.set_pllm(to_2_mhz(crystal));
         w.set_plln(MUL);
         w.set_pllp(DIVP);
@@ -76,75 +76,49 @@ pub fn try_out(crystal: Crystal) -> Result<(), &'static str> {
     if !comes(|| RCC.cr().read().pllrdy()) {
         return Err("the PLL does not lock");
     }
-    RCC.cr().modify(|w| w.set_pllon(false));
-    let is_off = comes(|| !RCC.cr().read().pllrdy());
-    is_off.then_some(()).ok_or("the PLL does not stop")
-}
-
-/// Starts the clocks, embassy's time, and the flash accelerator.
-pub fn start(crystal: Crystal, dma_priority: Priority) {
-    let (freq, mode) = match crystal {
-        Crystal::Oscillator12MHz => (Hertz::mhz(12), HseMode::Oscillator),
-        Crystal::Clock8MHz => (Hertz::mhz(8), HseMode::Bypass),
-    };
-    let prediv = to_2_mhz(crystal);
-    let mut config = Config::default();
-    config.dma_interrupt_priority = dma_priority;
-    config.rcc.hse = Some(Hse { freq, mode });
-    config.rcc.pll_src = PllSource::HSE;
-    // embassy-stm32 switches the over-drive on, which 180 MHz need.
-    config.rcc.pll = Some(Pll { prediv, mul: MUL, divp: Some(DIVP), divq: Some(DIVQ), divr: Some(DIVR) });
-    // Nothing uses the slow oscillators by way of embassy-stm32, which would wait for them without an end.
-    config.rcc.ls = LsConfig::off();
-    config.rcc.sys = Sysclk::PLL1_P;
-    config.rcc.ahb_pre = AHBPrescaler::DIV1;
-    config.rcc.apb1_pre = APBPrescaler::DIV4;
-    config.rcc.apb2_pre = APBPrescaler::DIV2;
-    // embassy's time counts half laps of TIM2 by its flags. Before the counter starts, the counter and the compare
-    // register of the half lap are both 0. That sets the half-lap flag in the emulated chip, and perhaps in the real
-    // one; embassy-stm32 0.6.0 does not clear it. With one half lap too many, a read just when a half lap ends goes
-    // back by 65 ms.
-    critical_section::with(|_| {
-        // The peripherals are used by their registers here.
-        let _ = embassy_stm32::init(config);
-        TIM2.sr().write(|_| ());
-        NVIC::unpend(Interrupt::TIM2);
-    });
-    // embassy-stm32 0.6.0 writes the wait states into ACR and with that switches prefetch and both caches off, which
-    // every start of a branch would pay with five cycles and more.
-    // Both caches are off now, so they may be emptied of a bootloader's lines first (RM0390, 3.8.1, ICRST and DCRST).
+    // Both caches go off with this, so they may be emptied of a bootloader's lines (RM0390, 3.8.1, ICRST and DCRST).
+    let mut access = Acr(0);
+    access.set_latency(WAIT_STATES);
+    FLASH.acr().write_value(access);
+    // The wait states are in use when they are read back (RM0390, 3.4.1).
+    if !comes(|| FLASH.acr().read().latency() == WAIT_STATES) {
+        return Err("the flash does not take wait states");
+    }
     FLASH.acr().modify(|w| {
         w.set_icrst(true);
         w.set_dcrst(true);
     });
-    FLASH.acr().modify(|w| {
-        w.set_icrst(false);
-        w.set_dcrst(false);
-    });
+    FLASH.acr().write_value(access);
     FLASH.acr().modify(|w| {
         w.set_prften(true);
         w.set_icen(true);
         w.set_dcen(true);
     });
+    RCC.cfgr().modify(|w| {
+        w.set_sw(Sw::PLL1_P);
+        w.set_hpre(Hpre::DIV1);
+        w.set_ppre1(Ppre::DIV4);
+        w.set_ppre2(Ppre::DIV2);
+    });
+    if !comes(|| RCC.cfgr().read().sws() == Sw::PLL1_P) {
+        return Err("the processor does not switch to the PLL");
+    }
+    // A probe that looks on keeps its clock while the processor sleeps (RM0390, 33.16.3).
+    DBGMCU.cr().modify(|w| {
+        w.set_dbg_sleep(true);
+        w.set_dbg_stop(true);
+        w.set_dbg_standby(true);
+    });
     // If the crystal stops, the processor falls back to 16 MHz and raises NMI (RM0390, 6.2.7).
     RCC.cr().modify(|w| w.set_csson(true));
-}
-
-/// Stops embassy's time during `work`, which may hold off interrupts for longer than a half lap of TIM2, 33 ms. Without
-/// this embassy would count at most two of the half laps that end in that time. After an odd number of uncounted half
-/// laps, every later read just when a half lap ends would go back by 65 ms.
-pub fn without_time<R>(work: impl FnOnce() -> R) -> R {
-    TIM2.cr1().modify(|w| w.set_cen(false));
-    let result = work();
-    TIM2.cr1().modify(|w| w.set_cen(true));
-    result
+    Ok(())
 }
 
 /// Divides the crystal's clock to 2 MHz, for either PLL.
-const fn to_2_mhz(crystal: Crystal) -> PllPreDiv {
+const fn to_2_mhz(crystal: Crystal) -> Pllm {
     match crystal {
-        Crystal::Oscillator12MHz => PllPreDiv::DIV6,
-        Crystal::Clock8MHz => PllPreDiv::DIV4,
+        Crystal::Oscillator12MHz => Pllm::DIV6,
+        Crystal::Clock8MHz => Pllm::DIV4,
     }
 }
 
@@ -155,10 +129,10 @@ const fn to_2_mhz(crystal: Crystal) -> PllPreDiv {
 pub fn start_usb(crystal: Crystal) -> bool {
     RCC.pllsaicfgr().modify(|w| {
         w.set_pllm(to_2_mhz(crystal));
-        w.set_plln(PllMul::MUL96);
-        w.set_pllp(PllPDiv::DIV4);
+        w.set_plln(Plln::MUL96);
+        w.set_pllp(Pllp::DIV4);
         // Not used, and 2 or more.
-        w.set_pllq(PllQDiv::DIV4);
+        w.set_pllq(Pllq::DIV4);
     });
     RCC.dckcfgr2().modify(|w| w.0 |= CK48MSEL);
     RCC.cr().modify(|w| w.set_pllsaion(true));

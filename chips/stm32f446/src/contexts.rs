@@ -10,7 +10,6 @@ use corehbot_cortex_m4::{Handover, finish_stores};
 use corehbot_stepgen::generate;
 use embassy_executor::{Executor, SpawnError, SpawnToken, Spawner};
 use embassy_stm32::interrupt;
-use embassy_time::{Duration, Ticker, Timer};
 use static_cell::StaticCell;
 
 use crate::assembly::Handles;
@@ -19,7 +18,7 @@ use crate::handles::{Console, StepGenerator, ThermalControl};
 use crate::host_serial::HostSerial;
 use crate::pend::IrqPend;
 use crate::usb::{self, UsbPort};
-use crate::{fault, heater_timer, pin_scrub, priorities, reset_reason, storm, watchdog};
+use crate::{fault, heater_timer, pin_scrub, priorities, reset_reason, storm, time, watchdog};
 
 static GENERATOR: Handover<&'static mut StepGenerator> = Handover::new();
 static THERMAL: Handover<(&'static mut ThermalControl, &'static Status)> = Handover::new();
@@ -36,7 +35,6 @@ pub fn start(handles: Handles, usb: Option<UsbPort>, awake: bool) -> ! {
     priorities::enable();
     EXECUTOR.init(Executor::new()).run(|spawner| {
         spawn(spawner, run_console(console));
-        spawn(spawner, keep_time());
         spawn(spawner, pin_scrub::run(status));
         if let Some(port) = usb {
             spawn(spawner, usb::serve(port));
@@ -85,8 +83,8 @@ async fn run_console(console: &'static mut Console) {
 /// Sends the message every two seconds, and waits for M999.
 #[embassy_executor::task]
 async fn talk(talker: &'static mut (Lines<HostSerial>, Message)) {
-    /// Time between two polls; messages are 40 polls apart.
-    const LOOK: Duration = Duration::from_millis(50);
+    /// Time between two polls in ms; messages are 40 polls apart.
+    const LOOK: u32 = 50;
     let (lines, message) = talker;
     let mut heard = [0_u32; LINES];
     loop {
@@ -105,18 +103,8 @@ async fn talk(talker: &'static mut (Lines<HostSerial>, Message)) {
                     }
                 }
             }
-            Timer::after(LOOK).await;
+            time::pass(LOOK).await;
         }
-    }
-}
-
-/// Wakes the Console every millisecond.
-#[embassy_executor::task]
-async fn keep_time() {
-    let mut ticker = Ticker::every(Duration::from_millis(1));
-    loop {
-        ticker.next().await;
-        wake_console();
     }
 }
 

@@ -1,10 +1,11 @@
 //! The EEPROM: AT24C32, 4 KiB in pages of 32 bytes.
 
 use corehbot::port::StorageError;
-use embassy_time::{Duration, Instant};
+use corehbot::units::Instant;
 use static_cell::StaticCell;
 
 use crate::bus::{Answer, Bus};
+use crate::time;
 use crate::wiring::Board;
 use corehbot_board_support::memory::Memory;
 
@@ -20,7 +21,7 @@ const _: () = assert!(PAGE as usize == corehbot::storage::PAGE);
 
 /// A page write ends within 5 ms (AT24C32E datasheet 8905F, t_WR), and within 10 ms on older members of the family
 /// (0336K). The longer limit is harmless: no caller is in a hurry.
-const WRITING: Duration = Duration::from_millis(20);
+const WRITING_MS: u32 = 20;
 
 /// The EEPROM.
 pub struct Eeprom {
@@ -75,14 +76,14 @@ impl Memory for Eeprom {
         }
         self.finish()?;
         here(self.bus.write(ADDRESS, head.iter().chain(bytes))?)?;
-        self.handed_over = Some(Instant::now());
+        self.handed_over = Some(time::now());
         Ok(())
     }
 
     /// The chip does not answer to its address while it writes (AT24C32E datasheet 8905F, 8.3).
     fn is_done(&mut self) -> Result<bool, StorageError> {
         let Some(since) = self.handed_over else { return Ok(true) };
-        let is_late = since.elapsed() > WRITING;
+        let is_late = time::now() > since.after_ms(WRITING_MS);
         if self.bus.write(ADDRESS, [].iter())? == Answer::Here {
             self.handed_over = None;
             return Ok(true);

@@ -77,7 +77,7 @@ impl Fans {
             TIM1.bdtr().modify(|w| w.set_moe(true));
         }
         if has(FanTimer::Two) {
-            // The counter is embassy's: nothing here touches it. It counts to 65,535.
+            // The counter is the time's (`time`): nothing here touches it. It counts to 65,535.
             TIM2.ccr(LAST_CHANNEL).write_value(0);
             TIM2.ccmr_output(1).modify(|w| {
                 w.set_ocm(1, Ocm::PWM_MODE1);

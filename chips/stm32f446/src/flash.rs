@@ -18,7 +18,7 @@ use embassy_stm32::pac::flash::regs::Sr;
 use embassy_stm32::pac::flash::vals::Psize;
 use static_cell::StaticCell;
 
-use crate::clocks;
+use crate::time;
 use crate::watchdog;
 use crate::wiring::Board;
 use corehbot_board_support::flash_pages::FlashPages;
@@ -122,7 +122,7 @@ impl Sectors for Flash {
             FLASH.cr().modify(|w| w.set_strt(true));
             finish()
         };
-        let result = clocks::without_time(|| operate(erase));
+        let result = time::without_time(|| operate(erase));
         watchdog::restore();
         result
     }

@@ -8,7 +8,7 @@
 //! | 0x00 | SysTick | Stepper; nothing masks it |
 //! | 0x00 | PVD | the end, when the supply falls |
 //! | 0x20 | TIM3, during an order to a BLTouch | the edges of its pulses |
-//! | 0x40 | USART1 and 2, DMA2 and DMA1 stream 5, OTG_FS, TIM2 | bytes, USB packets, embassy's time |
+//! | 0x40 | USART1 and 2, DMA2 and DMA1 stream 5, OTG_FS, TIM2 | bytes, USB packets, time |
 //! | 0x40 | TIM7, every 0.5 ms if a fan has a tachometer | its pulses |
 //! | 0x40 | TIM6 and DMA1 stream 0, while an accelerometer is read | its transfers |
 //! | 0x40 | TIM8, during an exchange with a motor driver | its bits |
@@ -22,7 +22,7 @@
 //! interrupt handler uses is in a `Handover` of `chips/cortex-m4`.
 //!
 //! `unsafe` stays in `fault`, `flash`, `otg`, `priorities`, `reference_voltage`, `reset_reason`, `stack_guard`,
-//! `step_timer` and `stepper`.
+//! `step_timer`, `stepper` and `time`.
 #![cfg_attr(target_os = "none", no_std)]
 
 pub use corehbot_wiring as wiring;
@@ -116,6 +116,8 @@ mod supply;
 mod tachometers;
 #[cfg(target_os = "none")]
 mod thermistors;
+#[cfg(target_os = "none")]
+mod time;
 #[cfg(target_os = "none")]
 mod usart;
 #[cfg(target_os = "none")]

@@ -5,21 +5,21 @@
 use corehbot::fault::{Cause, Fault};
 use corehbot::settings::sum;
 use corehbot::status::Status;
-use embassy_time::{Duration, Timer};
 
 use crate::drivers;
 use crate::step_pins::COUPLED_ROWS;
 use crate::stepper::{step_pins_dir_row, step_pins_row};
+use crate::time;
 
-/// Between two looks.
-const EVERY: Duration = Duration::from_millis(900);
+/// Between two looks, in ms.
+const EVERY: u32 = 900;
 
 /// Checks the words as long as the machine runs; a changed word is a fault.
 #[embassy_executor::task]
 pub async fn run(status: &'static Status) {
     let (mut couplings, mut coupled, lasting) = (drivers::couplings(), sum_of_coupled(), sum_of_lasting());
     loop {
-        Timer::after(EVERY).await;
+        time::pass(EVERY).await;
         let (now, sum) = (drivers::couplings(), sum_of_coupled());
         if now != couplings {
             // Other words were written.

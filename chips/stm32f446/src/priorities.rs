@@ -8,9 +8,9 @@ use embassy_stm32::interrupt::{InterruptExt as _, Priority};
 use embassy_stm32::pac::Interrupt;
 
 use crate::resources::SOURCES;
-use crate::{driver_uart, heater_timer, otg, pend, servo, supply, tachometers};
+use crate::{driver_uart, heater_timer, otg, pend, servo, supply, tachometers, time};
 
-/// Priority shared by the host lines, the drivers' UART, tachometers, the accelerometer and embassy's time: below the
+/// Priority shared by the host lines, the drivers' UART, tachometers, the accelerometer and the time: below the
 /// Stepper and a servo's edges, above everything else.
 pub const LINK: Priority = Priority::P4;
 
@@ -23,7 +23,7 @@ const PRIORITIES: [(Interrupt, Priority); SOURCES.len()] = [
     (supply::IRQ, Priority::P0),
     // The edges of its pulses may wait for a step, and for nothing else.
     (servo::IRQ, Priority::P2),
-    (Interrupt::TIM2, LINK),
+    (time::IRQ, LINK),
     (Interrupt::USART1, LINK),
     (Interrupt::USART2, LINK),
     (Interrupt::DMA2_STREAM5, LINK),

@@ -88,7 +88,7 @@ pub const TIMERS: [(&str, u8); 10] = [
     ("TIM12", 1),
 ];
 
-/// embassy's time. Its 32 bits count as 16. The two heaters of the Spider on TIM3 leave that timer to them, and no
+/// The time. Its 32 bits count as 16. The two heaters of the Spider on TIM3 leave that timer to them, and no
 /// board here needs a channel of TIM2 for a heater.
 pub const TIME: &str = "TIM2";
 /// Bits to and from the motor drivers.

@@ -7,9 +7,9 @@ use corehbot::fault::{Cause, Fault, Record};
 use corehbot::kinematics::Groups;
 use corehbot::machine::Ports;
 use corehbot::port::{FANS, Lines, Serial as _};
+use corehbot::units::TICKS_PER_SECOND;
 use cortex_m::Peripherals;
 use defmt_rtt as _;
-use embassy_time::Instant;
 use static_cell::StaticCell;
 
 use crate::accelerometer::SpiSensor;
@@ -28,11 +28,15 @@ use crate::usart::UsartLine;
 use crate::usb::{self, UsbLine, UsbPort};
 use crate::wiring::{Board, Image, Input, Mark, OF_144_PINS, SerialPort};
 use crate::{
-    after_bootloader, clocks, fault, plain_serial, ports, priorities, safe_levels, servo, stack_guard, supply, watchdog,
+    after_bootloader, clocks, fault, plain_serial, ports, priorities, safe_levels, servo, stack_guard, supply, time,
+    watchdog,
 };
 use corehbot_board_support::memory::Memory;
 
-defmt::timestamp!("{=u64:us}", Instant::now().as_micros());
+/// Ticks of the core's time in a microsecond.
+const MICRO: u64 = TICKS_PER_SECOND as u64 / 1_000_000;
+
+defmt::timestamp!("{=u64:us}", time::now().0 / MICRO);
 
 static DIRS: StaticCell<[Dirs; 2]> = StaticCell::new();
 
@@ -76,10 +80,10 @@ fn make_ready(image: &'static Image, find: Find) -> (Handles, Option<UsbPort>, b
     after_bootloader::reset_peripherals();
     priorities::reset(&mut peripherals);
     supply::wait();
-    if let Err(cause) = clocks::try_out(board.crystal) {
+    if let Err(cause) = clocks::start(board.crystal) {
         plain_serial::tell(ports_of(board, found), &["Error:", cause, ", this board cannot print\n"]);
     }
-    clocks::start(board.crystal, priorities::LINK);
+    time::start();
     supply::watch();
     if found != Found::Right {
         let (lines, usb) = open_lines(board, found, None, past.reason);

@@ -20,7 +20,8 @@ use cortex_m::interrupt;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::peripheral::{DWT, SCB, SYST};
 
-use crate::clocks::{self, CORE_HZ};
+use crate::clocks::CORE_HZ;
+use crate::time;
 
 /// Cycles a tick.
 const CYCLES: u32 = CORE_HZ / TICKS_PER_SECOND;
@@ -58,8 +59,8 @@ impl StepTimer {
         timer.disable_counter();
         timer.set_clock_source(SystClkSource::Core);
         timer.enable_interrupt();
-        // Nothing else may end the sleep: other interrupts are not enabled yet, and embassy's clock stands still.
-        let slept = clocks::without_time(|| {
+        // Nothing else may end the sleep: other interrupts are not enabled yet, and the Console's clock stands still.
+        let slept = time::without_time(|| {
             interrupt::free(|_| {
                 ring_in(&mut timer, SLEEP);
                 timer.enable_counter();
@@ -157,15 +158,11 @@ impl StepClock for StepTimer {
     }
 }
 
-/// The Console's clock: embassy's time.
+/// The Console's clock.
 pub struct BoardClock;
 
 impl Clock for BoardClock {
     fn now(&self) -> Instant {
-        Instant(embassy_time::Instant::now().as_ticks() * TICKS_PER_EMBASSY_TICK)
+        time::now()
     }
 }
-
-/// Ticks of 0.1 us in one of embassy's.
-const TICKS_PER_EMBASSY_TICK: u64 = TICKS_PER_SECOND as u64 / embassy_time::TICK_HZ;
-const _: () = assert!(TICKS_PER_EMBASSY_TICK * embassy_time::TICK_HZ == TICKS_PER_SECOND as u64);

@@ -3,7 +3,7 @@
 //! that comes too often is masked at its source, and the machine stops with a fault that names it.
 //!
 //! Queued steps do not suffer, because their interrupt is above all of these. Two storms escape the count: an interrupt
-//! without a count (embassy's time), and a handler too slow to be called that often. Then heaters go off by their timer
+//! without a count (the time), and a handler too slow to be called that often. Then heaters go off by their timer
 //! and the watchdog resets the chip (`heater_timer`, `watchdog`).
 
 use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
