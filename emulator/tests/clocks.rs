@@ -42,7 +42,9 @@ fn an_image_that_stays_on_the_bootloaders_pll_is_caught() {
     let broken: Vec<_> = seen.breaches.iter().map(|breach| breach.rule).collect();
     println!("{broken:?}");
     assert!(
-        [Rule::PowerReset, Rule::OverDrive, Rule::TooFast("HCLK", 180_000_000)].iter().all(|rule| broken.contains(rule)),
+        [Rule::PowerReset, Rule::OverDrive, Rule::TooFast("HCLK", 180_000_000)]
+            .iter()
+            .all(|rule| broken.contains(rule)),
         "{broken:?}"
     );
 }

@@ -2,7 +2,7 @@
 //!
 //! There are no wakers; the test polls everything until nothing changes any more.
 
-use embassy_usb::driver::{
+use embassy_usb_driver::{
     Bus, ControlPipe, Direction, Driver, Endpoint, EndpointAddress, EndpointAllocError, EndpointError, EndpointIn,
     EndpointInfo, EndpointOut, EndpointType, Event, Unsupported,
 };
@@ -38,8 +38,9 @@ impl Fake {
         poll_fn(|_| find(&mut self.0.borrow_mut()).map_or(Poll::Pending, Poll::Ready)).await
     }
 
-    fn end(&self, kind: EndpointType, size: u16, direction: Direction) -> FakeEnd {
-        let addr = EndpointAddress::from_parts(if kind == EndpointType::Bulk { 2 } else { 1 }, direction);
+    fn end(&self, kind: EndpointType, size: u16, direction: Direction, given: Option<EndpointAddress>) -> FakeEnd {
+        let number = if kind == EndpointType::Bulk { 2 } else { 1 };
+        let addr = given.unwrap_or(EndpointAddress::from_parts(number, direction));
         let info = EndpointInfo { addr, ep_type: kind, max_packet_size: size, interval_ms: 1 };
         FakeEnd { wire: self.clone(), info }
     }
@@ -62,21 +63,21 @@ impl<'d> Driver<'d> for Fake {
     fn alloc_endpoint_out(
         &mut self,
         kind: EndpointType,
-        _: Option<EndpointAddress>,
+        address: Option<EndpointAddress>,
         size: u16,
         _: u8,
     ) -> Alloc<FakeEnd> {
-        Ok(self.end(kind, size, Direction::Out))
+        Ok(self.end(kind, size, Direction::Out, address))
     }
 
     fn alloc_endpoint_in(
         &mut self,
         kind: EndpointType,
-        _: Option<EndpointAddress>,
+        address: Option<EndpointAddress>,
         size: u16,
         _: u8,
     ) -> Alloc<FakeEnd> {
-        Ok(self.end(kind, size, Direction::In))
+        Ok(self.end(kind, size, Direction::In, address))
     }
 
     fn start(self, _control_size: u16) -> (Self, Self) {

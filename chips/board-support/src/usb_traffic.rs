@@ -6,15 +6,14 @@ use core::task::Poll;
 
 use corehbot::port::Received;
 use corehbot::units::Instant;
-use embassy_futures::join::join4;
+use corehbot_usb_device::Port;
+use embassy_futures::join::join3;
 use embassy_futures::poll_once;
 use embassy_futures::select::{Either, select};
 use embassy_sync::blocking_mutex::Mutex;
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use embassy_sync::waitqueue::AtomicWaker;
-use embassy_usb::UsbDevice;
-use embassy_usb::class::cdc_acm::{CdcAcmClass, ControlChanged, Receiver, Sender};
-use embassy_usb::driver::Driver;
+use embassy_usb_driver::{Driver, EndpointIn, EndpointOut};
 
 use crate::usb_pump::{PACKET, Pump};
 
@@ -72,14 +71,10 @@ impl<M: RawMutex> Traffic<M> {
     }
 
     /// Serves the port for ever.
-    pub async fn run<'d, D: Driver<'d>>(
-        &self,
-        mut device: UsbDevice<'d, D>,
-        class: CdcAcmClass<'d, D>,
-        board: impl Surroundings,
-    ) {
-        let (sender, receiver, control) = class.split_with_control();
-        join4(device.run(), self.tell(sender, &board), self.hear(receiver, &board), self.watch(control, &board)).await;
+    pub async fn run<'d, D: Driver<'d>>(&self, port: Port<'d, D>, board: impl Surroundings) {
+        let Port { device, to_host, from_host } = port;
+        let serve = device.run(|is_open| self.set_open(is_open, &board));
+        join3(serve, self.tell(to_host, &board), self.hear(from_host, &board)).await;
     }
 
     fn with<R>(&self, work: impl FnOnce(&mut Pump) -> R) -> R {
@@ -105,50 +100,40 @@ impl<M: RawMutex> Traffic<M> {
     }
 
     /// From the Console to the host.
-    async fn tell<'d, D: Driver<'d>>(&self, mut sender: Sender<'d, D>, board: &impl Surroundings) -> ! {
+    async fn tell(&self, mut end: impl EndpointIn, board: &impl Surroundings) -> ! {
         let mut packet = [0; PACKET];
         loop {
             let take = |pump: &mut Pump| pump.packet(&mut packet, board.now()).map(|length| (length, pump.session()));
             let (length, session) = self.wait(&self.to_host, take).await;
             let packet = &packet[..length];
             let is_stale = self.wait(&self.to_host, |pump| (pump.session() != session).then_some(()));
-            match select(sender.write_packet(packet), is_stale).await {
+            match select(end.write(packet), is_stale).await {
                 Either::First(Ok(())) => {
                     self.with(|pump| pump.on_sent(packet));
                     // Room for more output.
                     board.wake_console();
                 }
-                Either::First(Err(_)) => sender.wait_connection().await,
+                Either::First(Err(_)) => end.wait_enabled().await,
                 Either::Second(()) => {}
             }
         }
     }
 
     /// From the host to the Console.
-    async fn hear<'d, D: Driver<'d>>(&self, mut receiver: Receiver<'d, D>, board: &impl Surroundings) -> ! {
+    async fn hear(&self, mut end: impl EndpointOut, board: &impl Surroundings) -> ! {
         let mut packet = [0; PACKET];
         loop {
             self.wait(&self.from_host, |pump| pump.has_room().then_some(())).await;
             if self.with(Pump::take_stray) {
-                let _ = poll_once(receiver.read_packet(&mut packet));
+                let _ = poll_once(end.read(&mut packet));
             }
-            match receiver.read_packet(&mut packet).await {
+            match end.read(&mut packet).await {
                 Ok(length) => {
-                    // A host that sends has opened the port before, even if `watch` has not run since.
-                    self.set_open(receiver.dtr(), board);
                     self.with(|pump| pump.on_packet(&packet[..length]));
                     board.wake_console();
                 }
-                Err(_) => receiver.wait_connection().await,
+                Err(_) => end.wait_enabled().await,
             }
-        }
-    }
-
-    /// Opens and closes the port as the host says.
-    async fn watch(&self, control: ControlChanged<'_>, board: &impl Surroundings) -> ! {
-        loop {
-            control.control_changed().await;
-            self.set_open(control.dtr(), board);
         }
     }
 }

@@ -1,12 +1,11 @@
-//! The port from plugging in to closing it, with embassy's USB stack and a fake bus.
+//! The port from plugging in to closing it, with a fake bus.
 
 use super::fake_usb::Fake;
 use super::*;
 use corehbot::protocol::{Emergency, Incoming, Receiver};
+use corehbot_usb_device::Identity;
 use embassy_sync::blocking_mutex::raw::NoopRawMutex;
-use embassy_usb::class::cdc_acm::State;
-use embassy_usb::driver::Event;
-use embassy_usb::{Builder, Config};
+use embassy_usb_driver::Event;
 use std::cell::Cell;
 use std::pin::{Pin, pin};
 use std::task::{Context, Waker};
@@ -43,13 +42,9 @@ struct Rig<'a> {
 /// Runs `story` with a port that is plugged in and configured, and closed.
 fn with_port(story: impl FnOnce(Rig<'_>)) {
     let (wire, traffic, clock) = (Fake::default(), Traffic::<NoopRawMutex>::new(), Cell::new(0));
-    let (mut configuration, mut capabilities, mut control) = ([0; 128], [0; 32], [0; PACKET]);
-    let mut state = State::new();
-    let mut config = Config::new(0x1209, 0x0001);
-    config.manufacturer = Some("corehbot");
-    let mut builder = Builder::new(wire.clone(), config, &mut configuration, &mut capabilities, &mut [], &mut control);
-    let class = CdcAcmClass::new(&mut builder, &mut state, PACKET as u16);
-    let port = pin!(traffic.run(builder.build(), class, Bench(&clock)));
+    let identity = Identity { numbers: [0x1209, 0x0001], texts: ["corehbot", "board", "1"] };
+    let serial = Port::new(wire.clone(), identity).unwrap();
+    let port = pin!(traffic.run(serial, Bench(&clock)));
     let mut rig = Rig { wire, traffic: &traffic, clock: &clock, port };
     rig.wire.0.borrow_mut().events.extend([Event::PowerDetected, Event::Reset]);
     rig.request(SET_ADDRESS);

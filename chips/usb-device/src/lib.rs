@@ -1,5 +1,5 @@
 //! A driver of OTG_FS, the Synopsys core (DWC2) of STM32 chips, as a device at full speed, for [`embassy_usb_driver`].
-//! It has control, bulk and interrupt endpoints of up to 64 bytes a packet.
+//! It has control, bulk and interrupt endpoints of up to 64 bytes a packet. On it there is a serial port.
 //!
 //! Clocks, pins, session and interrupt belong to the chip. This crate reaches the core by [`Registers`] alone. So it
 //! runs on a chip and on the model in `chips/usb-model` alike, and has no `unsafe`.
@@ -33,6 +33,9 @@
 //! | [`bus`] | reset, suspend, resume; endpoints on, off, halted |
 //! | [`endpoint`] | packets of bulk and interrupt endpoints |
 //! | [`control`] | endpoint 0 |
+//! | [`port`] | a serial port on this or any other driver |
+//! | `requests` | the host's requests to it |
+//! | `descriptors` | its descriptors |
 #![no_std]
 #![forbid(unsafe_code)]
 #![allow(async_fn_in_trait, reason = "the traits are embassy's")]
@@ -40,11 +43,14 @@
 mod bits;
 pub mod bus;
 pub mod control;
+mod descriptors;
 pub mod driver;
 pub mod endpoint;
 pub mod interrupt;
+pub mod port;
 mod receive;
 pub mod registers;
+mod requests;
 pub mod shape;
 pub mod state;
 mod stop;
@@ -53,6 +59,8 @@ mod wait;
 
 pub use driver::Driver;
 pub use interrupt::on_interrupt;
+pub use port::{Device, Port};
 pub use registers::Registers;
+pub use requests::Identity;
 pub use shape::Config;
 pub use state::State;

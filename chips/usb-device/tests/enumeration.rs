@@ -1,6 +1,7 @@
 //! A host finds the device and talks to its port, and what it does to it at the worst moment.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
+mod answers;
 mod common;
 
 use common::{

@@ -1,12 +1,13 @@
 //! A serial port (CDC ACM) on the model of the core, with a host. The port sends back what it gets.
 
-use corehbot_usb_device::{Config, Driver, Registers, State, on_interrupt};
+use corehbot_usb_device::{Config, Driver, Identity, Port, Registers, State, on_interrupt};
 use corehbot_usb_model::host::{Outcome, Transfer, UsbHost};
 use corehbot_usb_model::{Breach, UsbCore};
 use embassy_futures::join::join;
 use embassy_sync::blocking_mutex::raw::RawMutex;
 use embassy_usb::Builder;
 use embassy_usb::class::cdc_acm::{self, CdcAcmClass};
+use embassy_usb_driver::{Endpoint as _, EndpointIn as _, EndpointOut as _};
 use std::cell::{Cell, RefCell};
 use std::future::Future;
 use std::pin::Pin;
@@ -70,7 +71,19 @@ pub struct Model {
     chances: &'static Cell<u32>,
 }
 
+/// The identity of the port.
+pub const IDENTITY: Identity = Identity { numbers: [0x1209, 1], texts: ["maker", "port", "0123456789AB"] };
+
 impl Model {
+    fn new(every: u32) -> Self {
+        let (core, state) = (leak(RefCell::new(UsbCore::new())), leak(State::new()));
+        Self { core, state, every: leak(Cell::new(every)), chances: leak(Cell::new(0)) }
+    }
+
+    fn driver(self) -> Driver<'static, Self, Section, N> {
+        Driver::new(self, self.state, Config { fifo_words: 320, turnaround: 6 })
+    }
+
     fn interrupt(self) {
         if self.core.borrow().is_pending() && DEPTH.get() == 0 && !IS_INTERRUPTED.replace(true) {
             on_interrupt(self, self.state);
@@ -138,19 +151,8 @@ impl Bench {
 
     /// A device whose interrupt comes at every `every`-th access to a register, and else when the task waits.
     pub fn interrupted(every: u32) -> Self {
-        let model = Model {
-            core: leak(RefCell::new(UsbCore::new())),
-            state: leak(State::new()),
-            every: leak(Cell::new(every)),
-            chances: leak(Cell::new(0)),
-        };
-        let driver = Driver::new(model, model.state, Config { fifo_words: 320, turnaround: 6 });
-        let mut config = embassy_usb::Config::new(0x1209, 1);
-        config.product = Some("port");
-        let mut builder = Builder::new(driver, config, leak([0; 256]), leak([0; 64]), &mut [], leak([0; 64]));
-        let class = CdcAcmClass::new(&mut builder, leak(cdc_acm::State::new()), 64);
-        let mut device = builder.build();
-        let (mut sender, mut receiver) = class.split();
+        let model = Model::new(every);
+        let Port { device, mut to_host, mut from_host } = Port::new(model.driver(), IDENTITY).unwrap();
         let (heard, listens) = (Heard::default(), Rc::new(Cell::new(true)));
         let (hears, gate) = (heard.clone(), listens.clone());
         let port = async move {
@@ -160,19 +162,38 @@ impl Bench {
                     |_| if gate.get() { std::task::Poll::Ready(()) } else { std::task::Poll::Pending },
                 )
                 .await;
-                let Ok(length) = receiver.read_packet(&mut packet).await else {
-                    receiver.wait_connection().await;
+                let Ok(length) = from_host.read(&mut packet).await else {
+                    from_host.wait_enabled().await;
                     continue;
                 };
                 hears.borrow_mut().extend(&packet[..length]);
-                if sender.write_packet(&packet[..length]).await.is_err() {
-                    sender.wait_connection().await;
+                if to_host.write(&packet[..length]).await.is_err() {
+                    to_host.wait_enabled().await;
                 }
             }
         };
         let device = Box::pin(async move {
-            join(async move { device.run().await }, port).await;
+            join(device.run(|_| {}), port).await;
         });
+        Self::with(model, device, heard, listens)
+    }
+
+    /// The device as `embassy-usb` has it, which nothing is said to.
+    pub fn of_embassy() -> Self {
+        let model = Model::new(0);
+        let mut config = embassy_usb::Config::new(IDENTITY.numbers[0], IDENTITY.numbers[1]);
+        let [manufacturer, product, serial] = IDENTITY.texts.map(Some);
+        (config.manufacturer, config.product, config.serial_number) = (manufacturer, product, serial);
+        let mut builder = Builder::new(model.driver(), config, leak([0; 256]), leak([0; 64]), &mut [], leak([0; 64]));
+        let _class = CdcAcmClass::new(&mut builder, leak(cdc_acm::State::new()), 64);
+        let mut device = builder.build();
+        let device = Box::pin(async move {
+            device.run().await;
+        });
+        Self::with(model, device, Heard::default(), Rc::default())
+    }
+
+    fn with(model: Model, device: Pin<Box<dyn Future<Output = ()>>>, heard: Heard, listens: Rc<Cell<bool>>) -> Self {
         let flag = Arc::new(Flag(AtomicBool::new(true)));
         let mut bench = Self { model, host: UsbHost::new(), device, flag, heard, listens };
         bench.settle();
