@@ -68,7 +68,7 @@ pub use quantity::Quantity;
 pub use resolution::StepRate;
 pub use speed_sq::SpeedSq;
 pub use ticks::{Instant, SubTicks, TICKS_PER_MS, TICKS_PER_SECOND, Tick};
-pub use wide::{mul_div, part_of, root, wide_root};
+pub use wide::{mul_div, part_of, root, whole_root, wide_root};
 
 use fixed::types::{I12F20, I32F32, U8F24, U12F20, U16F16, U24F8};
 use quantity::{quantity, signed, wrapping};

@@ -57,8 +57,23 @@ pub const fn part_of(value: i64, part: u64, whole: u64) -> i64 {
 /// too small, and the error would add up over a print.
 #[must_use]
 pub const fn root(square: u64) -> u64 {
-    let root = square.isqrt();
+    let root = whole_root(square);
     if square - root * root > root { root + 1 } else { root }
+}
+
+/// The square root, cut off. Bit by bit from its highest on, because the standard library's takes 500 bytes.
+#[must_use]
+#[inline(never)]
+pub const fn whole_root(square: u64) -> u64 {
+    let (mut root, mut bit) = (0_u32, 1_u32 << (square | 1).ilog2() / 2);
+    while bit != 0 {
+        let tried = root | bit;
+        if tried as u64 * tried as u64 <= square {
+            root = tried;
+        }
+        bit >>= 1;
+    }
+    root as u64
 }
 
 /// The square root of a square of 128 bits, cut off. Bit by bit, because the standard library's takes 1,400 bytes.
@@ -86,6 +101,19 @@ mod tests {
     fn roots_are_the_nearest() {
         for (square, expected) in [(0, 0), (2, 1), (3, 2), (6, 2), (7, 3), (u64::MAX, 1 << 32)] {
             assert_eq!(root(square), expected);
+        }
+    }
+
+    #[test]
+    fn whole_roots_are_cut_off() {
+        for shift in 0..64 {
+            for near in -3..=3_i64 {
+                let number = (1_u64 << shift).wrapping_add_signed(near);
+                let number_sq = number.wrapping_mul(number);
+                for square in [number, number_sq, number_sq.wrapping_sub(1), u64::MAX - number] {
+                    assert_eq!(whole_root(square), square.isqrt(), "{square}");
+                }
+            }
         }
     }
 

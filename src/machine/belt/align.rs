@@ -24,7 +24,7 @@ use crate::machine::state::trimming::Found;
 use crate::motion::Target;
 use crate::port::{EndstopSet, Motor, MotorSet, Pend};
 use crate::settings::{HomedAxis, Range, Settings};
-use crate::units::{Mm, MmPerSec, Steps};
+use crate::units::{Mm, MmPerSec, Steps, whole_root};
 use core::pin::pin;
 
 /// Speed of a stroke: one turn a second of a pulley of 40 mm. Far below, load readings are too coarse (section 11: "a
@@ -185,7 +185,7 @@ async fn measure_each_again<P: PortSet, W: Pend>(
         let contradiction = each_follows(main_loop, loads, arm, slope)?;
         let slope = slope.ok_or(AlignError::Flat)?;
         let apex = apex(left, right, slope);
-        if apex.at.abs() > AGREES + contradiction + 3 * apex.variance.isqrt() {
+        if apex.at.abs() > AGREES + contradiction + 3 * whole_root(apex.variance.unsigned_abs()) as i64 {
             let strain = main_loop.settings.belt_length(thousandths(apex.at * i64::from(-times)));
             return Err(AlignError::Strained(strain).into());
         }

@@ -15,6 +15,7 @@
 //! u0 comes from the arms alone.
 
 use crate::motors::{MOTORS, Motor, MotorSet};
+use crate::units::whole_root;
 
 /// Fractions of a reading and of a step in which means are counted.
 pub(in crate::machine) const PARTS: i64 = 256;
@@ -212,7 +213,8 @@ pub(super) fn contradiction(
             return arm * PARTS / 4;
         }
         let apart = ((right.mean - left.mean) * arm * PARTS / height.max(1) - common).abs();
-        let chance = (16 * (left.variance + right.variance)).isqrt() * arm * PARTS / height.max(1);
+        let chance =
+            whole_root((16 * (left.variance + right.variance)).unsigned_abs()) as i64 * arm * PARTS / height.max(1);
         // Friction rounds the tip, which moves an apex between the middle and an arm by up to a third of a full step.
         if apart > chance + arm * PARTS / 6 { apart } else { 0 }
     };
@@ -272,7 +274,7 @@ impl Findings {
     /// Bound of their mean's distance from that step, in fractions of a step: the distance plus three standard errors.
     pub fn bound(&self) -> i64 {
         let count = self.count.max(1);
-        self.beside().abs() + 3 * (self.variance / (count * count)).isqrt() + 1
+        self.beside().abs() + 3 * whole_root((self.variance / (count * count)).unsigned_abs()) as i64 + 1
     }
 }
 

@@ -1,7 +1,7 @@
 //! The repeatability of a probe: mean and standard deviation of its touches at a place (M48).
 
 use crate::machine::answers::probe_answer::Spread;
-use crate::units::Mm;
+use crate::units::{Mm, whole_root};
 
 /// A millimetre in nm.
 const NM: i128 = 1_000_000;
@@ -35,7 +35,7 @@ impl Repeatability {
     pub fn spread(&self) -> Spread {
         let count = self.count.max(1);
         let variance = count.saturating_mul(self.squares).saturating_sub(self.sum.saturating_mul(self.sum)).max(0);
-        let sigma = variance.cast_unsigned().isqrt() / count.cast_unsigned();
+        let sigma = whole_root(variance.cast_unsigned()) / count.cast_unsigned();
         Spread { mean_nm: nm(self.first) + self.sum / count, least: self.least, most: self.most, sigma_nm: sigma }
     }
 }

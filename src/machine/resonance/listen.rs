@@ -11,7 +11,7 @@ use crate::machine::answers::resonance_answer::RawSample;
 use crate::motion::{Piece, Pieces, Sweep};
 use crate::port::Accelerometer;
 use crate::settings::{AccelerometerSettings, Cartesian};
-use crate::units::{Instant, SubTicks, TICKS_PER_MS, TICKS_PER_SECOND};
+use crate::units::{Instant, SubTicks, TICKS_PER_MS, TICKS_PER_SECOND, whole_root};
 
 /// Blocks a second: up to 150 Hz the means take little of a vibration, and as much of the command.
 const BLOCKS_A_SECOND: u16 = 400;
@@ -96,7 +96,7 @@ impl Noise {
         let mut deviation = [0; 3];
         for (value, (sum, square)) in deviation.iter_mut().zip(self.sums.into_iter().zip(self.squares)) {
             let mean = sum.unsigned_abs() / count;
-            *value = (square / count).saturating_sub(mean * mean).isqrt() as u32;
+            *value = whole_root((square / count).saturating_sub(mean * mean)) as u32;
         }
         deviation
     }

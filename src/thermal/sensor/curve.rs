@@ -6,7 +6,7 @@
 use super::logarithm::{FRACTION, log2, natural};
 use crate::settings::{Law, SHEETS, Sheet, Thermistor};
 use crate::thermal::fixed_point::{quotient, saturated};
-use crate::units::Celsius;
+use crate::units::{Celsius, whole_root};
 
 /// The resistor to the reference, in Ohm, on the Octopus and most boards (BTT's schematic, R at TH0).
 const PULL_UP: u32 = 4700;
@@ -179,7 +179,7 @@ fn of_platinum(sample: u16) -> Celsius {
     let slope = const { (-4.0 * B * (1u64 << 60) as f64) as i64 };
     // 12 bits fewer before the product and 12 after it: all of them would need 67 bits.
     let below = square + (((slope >> 12) * ((1 << 24) - ratio as i64)) >> 12);
-    let root = below.max(0).cast_unsigned().isqrt() as i64;
+    let root = whole_root(below.max(0).cast_unsigned()) as i64;
     let difference = const { (A * (1u64 << 30) as f64) as i64 } - root;
     // Over 2 |B|, with 20 fractional bits.
     let over = const { ((1u64 << 20) as f64 / (-2.0 * B * (1u64 << 20) as f64)) as i64 };

@@ -3,7 +3,7 @@
 use super::{HYSTERESIS, Tune, above_room};
 use crate::status::{Tuned, TuningFailure};
 use crate::thermal::fixed_point::RATE;
-use crate::units::{JoulesPerKelvin, Seconds, Watts};
+use crate::units::{JoulesPerKelvin, Seconds, Watts, whole_root};
 
 /// The k for s / (r + s) of 0/16 to 16/16, times 4096: -x s/(r+s) + 2 - (2 + x) e^-x, where (1 + x) e^-x is s/(r+s).
 const RISE_AFTER_CUT: [i64; 17] =
@@ -49,7 +49,7 @@ impl Tune {
         let hysteresis = i64::from(HYSTERESIS.to_bits());
         // At least a quarter of the hysteresis: an amplitude that is hardly greater would make an endless gain.
         let beyond = (amplitude * amplitude - hysteresis * hysteresis).max(hysteresis * hysteresis / 16);
-        let ku = ((162.34 * 65_536.0) as i64) * (1 << 20) / (beyond.cast_unsigned().isqrt() as i64).max(1);
+        let ku = ((162.34 * 65_536.0) as i64) * (1 << 20) / (whole_root(beyond.cast_unsigned()) as i64).max(1);
         // All three with 16 fractional bits: I = 2 P / Tu, and D = P Tu / 8 (see the head of `tune`).
         let period = self.still.period(rate);
         let p = ku * 3 / 5;

@@ -11,7 +11,7 @@
 use super::angle::{TURN, cos_sin, direction};
 use crate::gcode::{ArcShape, Plane};
 use crate::text::Packed;
-use crate::units::{Mm, mul_div, part_of, wide_root};
+use crate::units::{Mm, mul_div, part_of, whole_root, wide_root};
 
 /// Why there is no such arc.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -191,7 +191,7 @@ fn chords(sweep: i64, radius: u64, tolerance: Mm) -> Option<u32> {
     let sweep = sweep.unsigned_abs();
     let radians = mul_div(sweep, 411_775, TURN as u64);
     let ratio = mul_div(radians.checked_mul(radians)?, radius, 8 * tolerance.to_bits().unsigned_abs());
-    let by_tolerance = (ratio.isqrt() >> 16) + 1;
+    let by_tolerance = (whole_root(ratio) >> 16) + 1;
     let by_angle = sweep * LEAST_CHORDS_A_TURN as u64 / TURN as u64 + 1;
     let chords = by_tolerance.max(by_angle);
     (chords <= MOST_CHORDS).then_some(chords as u32)
