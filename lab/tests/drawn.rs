@@ -63,6 +63,14 @@ fn each_number_of_the_paper_stands_next_to_one_computed_elsewhere() {
     let statements = told["statements"].as_array().unwrap();
     let find = |what: &str| statements.iter().find(|s| s["what"].as_str() == Some(what)).unwrap();
     for (what, printed, ours) in [
+        // Half of the sum and of the difference of 63.5 and 25.4 mm/s.
+        ("speed of a CoreXY's tool along x, motors at 10 and 4 rad/s", 44.45, 44.45),
+        ("speed of a CoreXY's tool along y, motors at 10 and 4 rad/s", 19.05, 19.05),
+        // -2 - (30, 70, 50, 10) / 6.35.
+        ("speed of motor 1, head at 10 and 20 mm/s, pulley 13 at 2 rad/s", -6.724_409, -6.724_409),
+        ("speed of motor 4 in the same motion", -13.023_622, -13.023_622),
+        ("speed of motor 8 in the same motion", -9.874_016, -9.874_016),
+        ("speed of motor 11 in the same motion", -3.574_803, -3.574_803),
         ("unknowns", 62.0, 62.0),
         ("degrees of freedom", 3.0, 3.0),
         ("belt of a CoreH-bot, e = 2r", 3727.691, 3727.691),
@@ -78,6 +86,8 @@ fn each_number_of_the_paper_stands_next_to_one_computed_elsewhere() {
         ("dT on the right over dT on the left, tool at x = 147.5", 1.0, 659.6 / 1009.6),
         ("torque on the bar along y at x = 147.5, bar of 1.2 kg", 350.0, 350.0 / 3.0),
         ("torque on the bar along x, H-bot, dT = 1 N", -522.4, -497.0),
+        ("belts on the bar about pulley 1, along x, dT = 1 N", 940.0, 940.0),
+        ("belts on the bar about pulley 1, along y, dT = 1 N", 940.0, 940.0),
         ("motors' torque on the frame along x, CoreXY", 25.4, 25.4),
         ("motors' torque on the frame along x, CoreH-bot", 25.4, 0.0),
     ] {

@@ -1,7 +1,7 @@
 //! The frame: the motors' torque on it, and the frequencies of tool and frame by its stiffness, as a drawing.
 
 use crate::queries::soft_frame::SoftFrame;
-use corehbot_report::svg::chart::{Chart, Curve};
+use corehbot_report::svg::chart::{Chart, Curve, Look};
 use corehbot_report::svg::{Anchor, Drawing};
 use corehbot_twin::routing::Machine;
 use std::collections::BTreeMap;
@@ -34,13 +34,13 @@ fn torques(answer: &SoftFrame) -> Chart {
         name: Machine::name_of(torque.machine).to_owned(),
         colour,
         // A CoreXY's lies on an H-bot's.
-        is_dashed: colour > 1,
+        look: if colour > 1 { Look::Dashed } else { Look::Solid },
         places: line(torque.x.belts_mnm + torque.x.rotors_mnm),
     });
     let printed = answer.torques.first().map(|torque| Curve {
         name: "as printed, each of them without rotors".to_owned(),
         colour: answer.torques.len(),
-        is_dashed: true,
+        look: Look::Dashed,
         places: line(torque.x.printed_mnm),
     });
     Chart {
@@ -62,14 +62,14 @@ fn frequencies(answer: &SoftFrame) -> Chart {
     }
     for (colour, ((axis, before), places)) in places.into_iter().enumerate() {
         let which = if before == 0 { "lower" } else { "upper" };
-        soft.push(Curve { name: format!("along {axis}, {which}"), colour, is_dashed: false, places });
+        soft.push(Curve { name: format!("along {axis}, {which}"), colour, look: Look::Solid, places });
     }
     let count = soft.len();
     let ends = [answer.frames.first(), answer.frames.last()].map(|frame| frame.map_or(0.0, |at| at.stiffness_n_per_mm));
     let rigid = answer.rigid_hz.iter().map(|hz| Curve {
         name: format!("rigid frame, {hz:.1} Hz"),
         colour: count,
-        is_dashed: true,
+        look: Look::Dashed,
         places: ends.map(|stiffness| [stiffness, *hz]).to_vec(),
     });
     Chart {

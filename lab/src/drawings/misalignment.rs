@@ -1,7 +1,7 @@
 //! Misalignment: what pulleys off their places do to tension and tool along both strokes, as a drawing.
 
 use crate::queries::misalignment::{Misalignment, OnStroke};
-use corehbot_report::svg::chart::{Chart, Curve};
+use corehbot_report::svg::chart::{Chart, Curve, Look};
 use corehbot_report::svg::{Anchor, Drawing};
 
 /// Size of a chart, in pixels.
@@ -34,7 +34,7 @@ fn tensions(stroke: &[OnStroke], title: &str, axis: &str, at: fn(&OnStroke) -> f
         name: format!("span {name}"),
         colour,
         // Spans that pull alike lie on each other.
-        is_dashed: colour % 2 == 1,
+        look: if colour % 2 == 1 { Look::Dashed } else { Look::Solid },
         places: stroke
             .iter()
             .map(|place| [at(place), place.tension_change_n.get(name).copied().unwrap_or(0.0)])
@@ -50,7 +50,7 @@ fn tool(answer: &Misalignment) -> Chart {
     let curve = |(colour, (name, stroke, at, of)): (usize, (&str, &[OnStroke], Of, Of))| Curve {
         name: name.to_owned(),
         colour,
-        is_dashed: colour % 2 == 1,
+        look: if colour % 2 == 1 { Look::Dashed } else { Look::Solid },
         places: stroke.iter().map(|place| [at(place), 1000.0 * of(place)]).collect(),
     };
     let curves: [(&str, &[OnStroke], Of, Of); 4] = [

@@ -1,7 +1,7 @@
 //! Parts: the errors of reference parts' dimensions by speed, as a drawing.
 
 use crate::parts::figures::{PartFigures, Parts};
-use corehbot_report::svg::chart::{Chart, Curve};
+use corehbot_report::svg::chart::{Chart, Curve, Look};
 use corehbot_report::svg::{Anchor, Drawing};
 use corehbot_twin::routing::Machine;
 
@@ -52,10 +52,10 @@ pub fn picture(parts: &Parts) -> String {
 fn chart(parts: &Parts, title: &str, figures: &[Figure; 2]) -> Chart {
     let machines = parts.parts.chunk_by(|a, b| a.machine == b.machine);
     let curves = machines.enumerate().flat_map(|(colour, of)| {
-        figures.iter().zip(NAMES).zip([false, true]).map(move |((figure, name), is_dashed)| Curve {
+        figures.iter().zip(NAMES).zip([Look::Solid, Look::Dashed]).map(move |((figure, name), look)| Curve {
             name: format!("{}, {name}", Machine::name_of(of.first().map_or("", |p| p.machine))),
             colour,
-            is_dashed,
+            look,
             places: of.iter().map(|p| [p.speed_mm_s, figure(p)]).collect(),
         })
     });

@@ -1,7 +1,7 @@
 //! Drawings of figures 3 to 5 of Yin et al., computed again.
 
 use crate::yin::figure::{Errors, Figure3, Figure4, Figure5, MODELS, Panel, SPEEDS, Trend, WAYS};
-use corehbot_report::svg::chart::{Chart, Curve};
+use corehbot_report::svg::chart::{Chart, Curve, Look};
 use corehbot_report::svg::{Anchor, COLOURS, Drawing};
 use corehbot_twin::math::hypot;
 
@@ -89,7 +89,7 @@ pub fn figure_4(figure: &Figure4) -> String {
             Curve {
                 name: format!("{}, {}: R2 of a line {r_squared:.5}", trend.model, trend.direction),
                 colour: MODELS.iter().position(|(_, name)| *name == trend.model).unwrap_or(0),
-                is_dashed: trend.direction != WAYS[0].1,
+                look: look(trend.direction),
                 places: trend.points(turn).iter().map(|(v, error)| [*v, *error]).collect(),
             }
         };
@@ -112,7 +112,7 @@ pub fn figure_5(figure: &Figure5) -> String {
             let colour = ["friction", "stiffness", "mass"].iter().position(|name| *name == one.name).unwrap_or(0);
             let places = one.points(turn).iter().map(|(factor, error)| [*factor, *error]).collect();
             let name = format!("{}, {}: {exponent}", one.name, one.direction);
-            Curve { name, colour, is_dashed: one.direction != WAYS[0].1, places }
+            Curve { name, colour, look: look(one.direction), places }
         };
         let curves = figure.varied.iter().map(curve).collect();
         let title = format!("from {name}, {} m/s", figure.speed_m_s);
@@ -122,6 +122,11 @@ pub fn figure_5(figure: &Figure5) -> String {
         "Yin et al., figure 5, on a rig of assumed numbers",
         [chart(0, Errors::TURNS[0]), chart(1, Errors::TURNS[1])],
     )
+}
+
+/// The paper's way round is a line. The other one has nearly the same errors, so it is rings about the line.
+fn look(direction: &str) -> Look {
+    if direction == WAYS[0].1 { Look::Solid } else { Look::Rings }
 }
 
 /// Two charts side by side, each with its legend below.

@@ -3,6 +3,17 @@
 use super::{Anchor, COLOURS, Drawing, number};
 use corehbot_twin::math::{log10, powi};
 
+/// How a curve looks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Look {
+    /// A line.
+    Solid,
+    /// A line of dashes.
+    Dashed,
+    /// A ring at each place, without a line: the curve below it stays visible.
+    Rings,
+}
+
 /// A curve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
@@ -10,8 +21,8 @@ pub struct Curve {
     pub name: String,
     /// Which of the colours it has.
     pub colour: usize,
-    /// Whether it is dashed.
-    pub is_dashed: bool,
+    /// How it looks.
+    pub look: Look,
     /// Its places, from left to right.
     pub places: Vec<[f64; 2]>,
 }
@@ -65,7 +76,7 @@ impl Chart {
         drawing.text([corner[0] + 12.0, (top + bottom) / 2.0], Anchor::Middle, &self.axes[1], &upright);
         for curve in &self.curves {
             let places: Vec<[f64; 2]> = curve.places.iter().map(|[x, y]| [along(*x), up(*y)]).collect();
-            drawing.polyline(&places, &curve.style());
+            curve.draw(drawing, &places);
         }
     }
 
@@ -73,7 +84,8 @@ impl Chart {
     pub fn legend(&self, drawing: &mut Drawing, corner: [f64; 2]) -> f64 {
         let mut y = corner[1] + LINE / 2.0;
         for curve in &self.curves {
-            drawing.line([corner[0], y], [corner[0] + 24.0, y], &curve.style());
+            let line = [corner[0], corner[0] + 12.0, corner[0] + 24.0].map(|x| [x, y]);
+            curve.draw(drawing, &line);
             drawing.text([corner[0] + 30.0, y + 4.0], Anchor::Start, &curve.name, "class=\"small\"");
             y += LINE;
         }
@@ -82,10 +94,17 @@ impl Chart {
 }
 
 impl Curve {
-    fn style(&self) -> String {
+    /// Draws places in its look.
+    fn draw(&self, drawing: &mut Drawing, places: &[[f64; 2]]) {
         let colour = COLOURS.get(self.colour % COLOURS.len()).copied().unwrap_or("#222");
-        let dash = if self.is_dashed { " stroke-dasharray=\"5 3\"" } else { "" };
-        format!("stroke=\"{colour}\" stroke-width=\"1.6\"{dash}")
+        let stroke = format!("stroke=\"{colour}\" stroke-width=\"1.6\"");
+        match self.look {
+            Look::Solid => drawing.polyline(places, &stroke),
+            Look::Dashed => drawing.polyline(places, &format!("{stroke} stroke-dasharray=\"5 3\"")),
+            Look::Rings => {
+                places.iter().for_each(|place| drawing.circle(*place, 3.6, &format!("fill=\"none\" {stroke}")));
+            }
+        }
     }
 }
 
@@ -149,7 +168,7 @@ mod tests {
         let curve = |colour| Curve {
             name: "a".to_owned(),
             colour,
-            is_dashed: colour > 0,
+            look: if colour > 0 { Look::Dashed } else { Look::Solid },
             places: vec![[0.0, 0.0], [10.0, 5.0]],
         };
         let chart =

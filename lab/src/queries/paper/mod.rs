@@ -8,10 +8,12 @@
 //! | [`table`] | table 1: the length of each segment and wrap |
 //! | [`pattern`] | tensions in a motion along an axis, by the paper's condition F |
 //! | [`statements`] | numbers in the text |
+//! | [`speeds`] | equations 2 and 9 |
 //! | [`radii`] | equation 8 with four pulleys of four sizes |
 
 pub mod pattern;
 pub mod radii;
+pub mod speeds;
 pub mod statements;
 pub mod table;
 

@@ -23,6 +23,8 @@ pub struct Pattern {
     pub couple_n_mm: f64,
     /// The same on the bar alone.
     pub bar_couple_n_mm: f64,
+    /// The same about the origin, the center of pulley 1 (equations 33 and 34).
+    pub bar_couple_about_origin_n_mm: f64,
     /// Torque of each motor, ascending, in N mm, counter-clockwise.
     pub torques_n_mm: Vec<f64>,
 }
@@ -55,6 +57,8 @@ impl Pattern {
             force_n: [head.x_n, head.y_n + bar.y_n],
             couple_n_mm: head.couple_n_mm + bar.couple_n_mm,
             bar_couple_n_mm: bar.couple_n_mm,
+            bar_couple_about_origin_n_mm: load(machine, &laid, &tensions_n, Block::Bar, Place::flat(0.0, 0.0))
+                .couple_n_mm,
             tensions_n,
             torques_n_mm,
         }

@@ -1,6 +1,7 @@
 //! Statements: numbers in the text of \[H\], each with the model's.
 
 use super::pattern::Pattern;
+use super::speeds::{Motion, of_tool};
 use super::table::{TOOL, touching};
 use corehbot_twin::geometry::{layout, workspace};
 use corehbot_twin::model::displacements::displacements;
@@ -47,6 +48,9 @@ fn point() -> Params {
 const HEAD: &str =
     "The printed figure is for a head that is a point, or has touching pulleys; this head is 80 mm wide.";
 
+/// Speeds of a CoreXY's two motors, for equation 2.
+const TWO_MOTORS_RAD_PER_S: [f64; 2] = [10.0, 4.0];
+
 /// All of them, in the order of the paper.
 pub(super) fn statements() -> Vec<Statement> {
     let say = |place, what, unit, (printed, ours), decimals, why| Statement {
@@ -83,7 +87,38 @@ pub(super) fn statements() -> Vec<Statement> {
     let (rank, unknowns, equations) = degrees();
     let off = Place::flat(147.5, 235.0);
     let edge = Place::flat(workspace(corehbot, &p).x[0], 235.0);
+    let motion = Motion { pulley_rad_per_s: 2.0, head_mm_per_s: [10.0, 20.0] };
+    let (printed, ours) = (motion.printed(r), motion.of_motors(&p));
+    let tool_speed = of_tool(corexy, &p, TWO_MOTORS_RAD_PER_S).map(f64::abs);
+    let [first, second] = TWO_MOTORS_RAD_PER_S;
     vec![
+        say(
+            "(2)",
+            "speed of a CoreXY's tool along x, motors at 10 and 4 rad/s",
+            "mm/s",
+            (r * (first + second) / 2.0, tool_speed[0]),
+            3,
+            "",
+        ),
+        say(
+            "(2)",
+            "speed of a CoreXY's tool along y, motors at 10 and 4 rad/s",
+            "mm/s",
+            (r * (first - second) / 2.0, tool_speed[1]),
+            3,
+            "",
+        ),
+        say(
+            "(9)",
+            "speed of motor 1, head at 10 and 20 mm/s, pulley 13 at 2 rad/s",
+            "rad/s",
+            (printed[0], ours[0]),
+            3,
+            "",
+        ),
+        say("(9)", "speed of motor 4 in the same motion", "rad/s", (printed[1], ours[1]), 3, ""),
+        say("(9)", "speed of motor 8 in the same motion", "rad/s", (printed[2], ours[2]), 3, ""),
+        say("(9)", "speed of motor 11 in the same motion", "rad/s", (printed[3], ours[3]), 3, ""),
         say("(7)", "equations", "", (60.0, equations), 0, ""),
         say("(7)", "unknowns", "", (62.0, unknowns), 0, ""),
         say("section 2.2", "degrees of freedom", "", (3.0, unknowns - rank), 0, ""),
@@ -243,6 +278,22 @@ pub(super) fn statements() -> Vec<Statement> {
             (1.0, sides(&p, off)),
             3,
             "The paper takes all changes as equal. They are in the middle; elsewhere the shorter side pulls more.",
+        ),
+        say(
+            "(33)",
+            "belts on the bar about pulley 1, along x, dT = 1 N",
+            "N mm",
+            (4.0 * off.y, moved(corehbot, off, 0).bar_couple_about_origin_n_mm),
+            1,
+            "",
+        ),
+        say(
+            "(34)",
+            "belts on the bar about pulley 1, along y, dT = 1 N",
+            "N mm",
+            (2.0 * w, moved(corehbot, off, 1).bar_couple_about_origin_n_mm),
+            1,
+            "",
         ),
         say(
             "(35)",

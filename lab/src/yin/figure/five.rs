@@ -8,8 +8,12 @@ use serde::Serialize;
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 use std::fmt;
 
-/// Factors as in the paper: a half to two.
-const FACTORS: [f64; 5] = [0.5, FRAC_1_SQRT_2, 1.0, SQRT_2, 2.0];
+/// The fourth root of two.
+const ROOT: f64 = 1.189_207_115_002_721;
+
+/// Factors as in the paper, a half to two, in equal ratios.
+const FACTORS: [f64; 9] =
+    [0.5, 0.5 * ROOT, FRAC_1_SQRT_2, FRAC_1_SQRT_2 * ROOT, 1.0, ROOT, SQRT_2, SQRT_2 * ROOT, 2.0];
 
 /// Farthest exponent from 1, -1 or 0 that still counts as proportional, inverse or independent.
 const ABOUT: f64 = 0.1;

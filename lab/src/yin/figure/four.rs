@@ -7,8 +7,8 @@ use crate::queries::claim::{Claim, write_claims};
 use serde::Serialize;
 use std::fmt;
 
-/// Speeds of the curves, m/s: those of figure 3, one below and one between.
-const ALONG: [f64; 5] = [0.010, SPEEDS[0], SPEEDS[1], 0.060, FAST];
+/// Speeds of the curves, m/s: those of figure 3, one below and five between.
+const ALONG: [f64; 9] = [0.010, SPEEDS[0], 0.030, SPEEDS[1], 0.046, 0.053, 0.060, 0.070, FAST];
 
 /// A line explains so much of the variance that its points count as linear.
 const LINEAR: f64 = 0.99;
