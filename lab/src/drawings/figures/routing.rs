@@ -194,6 +194,12 @@ pub(super) fn corehbot() -> String {
     drawing.finish()
 }
 
+/// Where figure 6 has d, in mm: between the rail and the belts.
+const BESIDE_BELTS: f64 = -40.0;
+
+/// About where the pulleys on the left of the bar are, in mm.
+const BAR_PULLEYS: f64 = 30.0;
+
 /// Figure 6: the three routings with their dimensions.
 pub(super) fn three() -> String {
     let mut drawing = Drawing::new([1030.0, 400.0], "Figure 6: the belts of H-bot, CoreXY and CoreH-bot");
@@ -210,7 +216,11 @@ pub(super) fn three() -> String {
         view.dimension(&mut drawing, [0.0, -45.0], [p.width_mm, -45.0], "W");
         view.dimension(&mut drawing, [p.width_mm + 85.0, 0.0], [p.width_mm + 85.0, p.depth_mm], "D");
         let (low, high) = (view.tool.y - p.bar_pulleys_mm / 2.0, view.tool.y + p.bar_pulleys_mm / 2.0);
-        view.dimension(&mut drawing, [90.0, low], [90.0, high], "d");
+        // Left of all belts: between them it would seem to belong to other pulleys.
+        view.dimension(&mut drawing, [BESIDE_BELTS, low], [BESIDE_BELTS, high], "d");
+        for height in [low, high] {
+            drawing.line(view.at([BESIDE_BELTS, height]), view.at([BAR_PULLEYS, height]), "class=\"thin\"");
+        }
         let half = p.head_pulleys_mm / 2.0;
         let under = view.tool.y - 105.0;
         view.dimension(&mut drawing, [view.tool.x - half, under], [view.tool.x + half, under], "e");

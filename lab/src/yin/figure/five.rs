@@ -12,8 +12,7 @@ use std::fmt;
 const ROOT: f64 = 1.189_207_115_002_721;
 
 /// Factors as in the paper, a half to two, in equal ratios.
-const FACTORS: [f64; 9] =
-    [0.5, 0.5 * ROOT, FRAC_1_SQRT_2, FRAC_1_SQRT_2 * ROOT, 1.0, ROOT, SQRT_2, SQRT_2 * ROOT, 2.0];
+const FACTORS: [f64; 9] = [0.5, 0.5 * ROOT, FRAC_1_SQRT_2, FRAC_1_SQRT_2 * ROOT, 1.0, ROOT, SQRT_2, SQRT_2 * ROOT, 2.0];
 
 /// Farthest exponent from 1, -1 or 0 that still counts as proportional, inverse or independent.
 const ABOUT: f64 = 0.1;
