@@ -9,7 +9,7 @@ const LARGEST: usize = 60_000;
 
 /// The drawing that these words make is the document's; `BLESS=1` takes it over.
 fn drawn(words: &str, kept: &str) {
-    let output = ask(&format!("{words} --svg -"));
+    let output = ask(words);
     let made = String::from_utf8(output.stdout).unwrap();
     assert!(output.status.success() && made.starts_with("<svg") && made.ends_with("</svg>\n"), "{words}: {made}");
     assert!(made.len() < LARGEST && !made.contains("NaN") && !made.contains("inf"), "{words}: {} bytes", made.len());
@@ -23,11 +23,12 @@ fn drawn(words: &str, kept: &str) {
 #[test]
 fn drawings_in_the_documents_are_what_the_command_makes() {
     for number in [3, 4, 5] {
-        drawn(&format!("yin --figure {number}"), &format!("yin-paper/figure-{number}.svg"));
+        drawn(&format!("yin --figure {number} --svg -"), &format!("yin-paper/figure-{number}.svg"));
     }
-    drawn("yin --figure 4 --drive dc", "yin-paper/figure-4-dc.svg");
-    drawn("zigzag", "corexyz-paper/zigzag.svg");
-    drawn("level", "corexyz-paper/levelling.svg");
+    drawn("yin --figure 4 --drive dc --svg -", "yin-paper/figure-4-dc.svg");
+    drawn("zigzag --svg -", "corexyz-paper/zigzag.svg");
+    drawn("zigzag --freedom -", "corexyz-paper/freedom.svg");
+    drawn("level --svg -", "corexyz-paper/levelling.svg");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! `corehbot-lab zigzag`: the tool's path at step resolution, by the order of the motors' steps.
 
-use crate::drawings::corexyz;
+use crate::drawings::{corexyz, freedom};
 use crate::queries::zigzag::{Ask, MACHINES, Zigzag as Answer};
 use anyhow::{Result, ensure};
 use clap::{Args, ValueEnum};
@@ -41,6 +41,9 @@ pub(crate) struct Zigzag {
     /// Writes the paths as a drawing; `-` is standard output.
     #[arg(long, value_name = "F.svg")]
     svg: Option<PathBuf>,
+    /// Draws the line or the plane in which each belt of a CoreXY or a CoreXYZ alone leaves the tool free.
+    #[arg(long, value_name = "F.svg")]
+    freedom: Option<PathBuf>,
     #[command(flatten)]
     json: Json,
 }
@@ -99,7 +102,8 @@ impl Zigzag {
             machines.iter().map(|(machine, params)| Answer::new(*machine, params, &ask)).collect::<Result<_, _>>()?;
         let all = All { machines };
         self.json.give_with(&all, self.file.files(), |outputs| {
-            drawn(outputs, self.svg.as_deref(), || corexyz::zigzag(&all.machines))
+            drawn(outputs, self.svg.as_deref(), || corexyz::zigzag(&all.machines))?;
+            drawn(outputs, self.freedom.as_deref(), freedom::freedom)
         })
     }
 }

@@ -3,6 +3,7 @@
 pub mod corexyz;
 pub mod figures;
 pub mod frame;
+pub mod freedom;
 pub mod misalignment;
 pub mod parts;
 pub mod yin;
