@@ -4,6 +4,7 @@ use super::super::figure::{Figure3, Figure4, Figure5, WAYS};
 use super::super::*;
 use super::assert_close;
 use crate::queries::claim::Claim;
+use crate::yin::fit::{exponent, line};
 
 fn holds(claims: &[Claim], begins: &str) -> bool {
     claims.iter().find(|claim| claim.text.starts_with(begins)).unwrap_or_else(|| panic!("{claims:?}")).holds
@@ -36,8 +37,13 @@ fn figure_3_has_the_independent_errors_in_both_directions() {
 #[test]
 fn figure_4_has_the_independent_lines() {
     let figure = Figure4::new(&NOMINAL, &Case::at(0.0)).unwrap();
+    // The independent lines go through five of the nine speeds.
+    let theirs = [0.010, 0.020, 0.039, 0.060, 0.079];
     for trend in figure.trends.iter().filter(|trend| trend.model == "full-DoF") {
-        for (line, (slope, intercept)) in trend.lines.iter().zip([(8.885, 0.064), (3.459, 0.031)]) {
+        for (turn, (slope, intercept)) in [(8.885, 0.064), (3.459, 0.031)].into_iter().enumerate() {
+            let points: Vec<_> = trend.points(turn).into_iter().filter(|(speed, _)| theirs.contains(speed)).collect();
+            assert_eq!(points.len(), theirs.len());
+            let line = line(&points);
             assert_close(line.slope, slope, 0.002, "slope");
             assert!((line.intercept - intercept).abs() < 0.001, "{line:?}");
         }
@@ -57,11 +63,15 @@ fn figure_5_has_the_independent_errors() {
     ];
     for (one, (name, errors, exponents)) in figure.varied.iter().zip(table.iter().chain(&table)) {
         assert_eq!(one.name, *name);
-        for (found, expected) in one.errors.iter().zip(errors) {
+        // The independent errors are at every second factor.
+        assert_eq!(one.errors.len(), 2 * errors.len() - 1);
+        for (found, expected) in one.errors.iter().step_by(2).zip(errors) {
             assert_close(found.x_to_y_mm, *expected, 0.002, name);
         }
-        for (found, expected) in one.exponents.iter().zip(exponents) {
-            assert!((found.unwrap() - expected).abs() <= 0.02, "{name}: {found:?}");
+        for (turn, expected) in exponents.iter().enumerate() {
+            let points: Vec<_> = one.points(turn).into_iter().step_by(2).collect();
+            let found = exponent(&points);
+            assert!((found - expected).abs() <= 0.02, "{name}: {found:?}");
         }
     }
     let claims = &figure.claims;
