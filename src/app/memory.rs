@@ -5,15 +5,15 @@ use crate::motion::{MoveMemory, MoveQueue, SpanMemory, StepQueue};
 use crate::status::Status;
 use crate::thermal::OrderQueue;
 
-/// All memory that the handles share, 33 KiB; the Console and the StepGenerator themselves come on top.
+/// All memory that the handles share, 31 KiB; the Console and the StepGenerator themselves come on top.
 pub struct Memory {
     /// Console to StepGenerator: moves that left the look-ahead, 3.4 KiB.
     pub(super) moves: MoveQueue,
     /// StepGenerator to Stepper: step events, 4 KiB.
     pub(super) events: StepQueue,
-    /// The StepGenerator's: the trajectory as far back as shapers reach, 9 KiB.
+    /// The StepGenerator's: the trajectory as far back as shapers reach, 8 KiB.
     pub(super) spans: SpanMemory,
-    /// The Console's: the look-ahead, 16 KiB.
+    /// The Console's: the look-ahead, 15 KiB.
     pub(super) planned: MoveMemory,
     /// Console to ThermalControl, 2 KiB.
     pub(super) orders: OrderQueue,
@@ -26,7 +26,7 @@ const _: () = assert!(size_of::<MoveQueue>() <= 3448);
 // This one is of as many bytes everywhere. Another length changes the comments of its field and of `Memory`, and the
 // budget of RAM in xtask/src/build/contents.rs.
 const _: () = assert!(size_of::<StepQueue>() == 4100);
-const _: () = assert!(size_of::<SpanMemory>() <= 9 * 1024 && size_of::<MoveMemory>() <= 16 * 1024);
+const _: () = assert!(size_of::<SpanMemory>() <= 8 * 1024 && size_of::<MoveMemory>() <= 15 * 1024);
 
 impl Default for Memory {
     fn default() -> Self {

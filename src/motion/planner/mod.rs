@@ -62,7 +62,7 @@ use path_curvature::PathCurvature;
 use planned::Planned;
 pub use planned::{LOOKAHEAD_MOVES, MoveMemory};
 use pressure::{Flow, Most, Pressure};
-use profile::{MoveSpec, max_ramp_length};
+use profile::{AdvanceAndWatch, MoveSpec, max_ramp_length};
 use step_scale::StepScale;
 use window::Window;
 
@@ -377,17 +377,16 @@ impl<'m> Planner<'m> {
                     // Cut off, so never above the limit, and never 0, which would be a ramp without an end.
                     acceleration: MmPerSec2::from_bits((most.acceleration * 256.0) as u32).max(MmPerSec2::DELTA),
                     nominal: feed,
+                    max_speed: feed_of(most.speed),
                     end: [x, y, z, e],
-                    watch: target.watch,
+                    own: AdvanceAndWatch::new(advance, target.watch),
                 },
                 feed: if has_overrides { feed } else { Feed::ZERO },
-                max_speed: feed_of(most.speed),
                 junction_sq,
                 max_entry_sq: SpeedSq::ZERO,
                 cumulative_gain_sq,
                 forced_end_sq: SpeedSq::ZERO,
                 nominal_ticks: 0,
-                advance,
             };
             planned.set_nominal(if has_overrides { self.wanted.of(feed) } else { feed });
             // With the exit limit of the move before, which is replaced by its own in the next line.

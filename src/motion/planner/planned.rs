@@ -2,7 +2,7 @@
 
 use super::profile::MoveSpec;
 use crate::motion::number::{feed_speed, mm};
-use crate::units::{Feed, Seconds, SpeedSq, TICKS_PER_SECOND};
+use crate::units::{Feed, SpeedSq, TICKS_PER_SECOND};
 
 /// Moves that stay in the window when a forced batch has left it: the look-ahead sees at least this many, when the
 /// stream is fast enough.
@@ -32,8 +32,6 @@ pub(in crate::motion) struct Planned {
     pub spec: MoveSpec,
     /// Commanded speed before the feed override; 0 if overrides have no say.
     pub feed: Feed,
-    /// The fastest that axes and motors let it be.
-    pub max_speed: Feed,
     /// Greatest speed squared that the corner before it allows, by its geometry alone.
     pub junction_sq: SpeedSq,
     /// Greatest entry speed squared: limited by the junction and by the nominal speeds of the two moves.
@@ -44,23 +42,19 @@ pub(in crate::motion) struct Planned {
     pub forced_end_sq: SpeedSq,
     /// Time at nominal speed, in ticks.
     pub nominal_ticks: u32,
-    /// The advance that its filament needs.
-    pub advance: Seconds,
 }
 
-const _: () = assert!(core::mem::size_of::<Planned>() <= 112);
+const _: () = assert!(core::mem::size_of::<Planned>() <= 104);
 
 impl Planned {
     const NONE: Self = Self {
         spec: MoveSpec::NONE,
         feed: Feed::ZERO,
-        max_speed: Feed::ZERO,
         junction_sq: SpeedSq::ZERO,
         max_entry_sq: SpeedSq::ZERO,
         cumulative_gain_sq: SpeedSq::ZERO,
         forced_end_sq: SpeedSq::ZERO,
         nominal_ticks: 0,
-        advance: Seconds::ZERO,
     };
 
     /// Its possible gain of speed squared.
@@ -84,14 +78,14 @@ impl Planned {
     /// The greatest exit speed squared that this move allows; 0 for a move that an endstop may end.
     #[inline(always)]
     pub fn exit_limit_sq(&self) -> SpeedSq {
-        if self.spec.watch.is_empty() { self.nominal_sq() } else { SpeedSq::ZERO }
+        if self.spec.own.watch().is_empty() { self.nominal_sq() } else { SpeedSq::ZERO }
     }
 
     /// Takes `wanted` as its nominal speed, within the limits of the axes and the motors.
     #[inline(always)]
     pub fn set_nominal(&mut self, wanted: Feed) {
         // A move that was requested does not stand still.
-        self.spec.nominal = wanted.min(self.max_speed).max(Feed::DELTA);
+        self.spec.nominal = wanted.min(self.spec.max_speed).max(Feed::DELTA);
         let seconds = mm(self.spec.length) / feed_speed(self.spec.nominal);
         self.nominal_ticks = (seconds * const { TICKS_PER_SECOND as f32 }) as u32;
     }
@@ -99,7 +93,7 @@ impl Planned {
     /// Takes a new greatest entry speed, after a move that has this limit for its exit speed.
     #[inline(always)]
     pub fn limit_entry(&mut self, previous_exit_limit_sq: SpeedSq) {
-        self.max_entry_sq = if self.spec.watch.is_empty() {
+        self.max_entry_sq = if self.spec.own.watch().is_empty() {
             self.junction_sq.min(previous_exit_limit_sq).min(self.nominal_sq())
         } else {
             SpeedSq::ZERO

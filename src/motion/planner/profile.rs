@@ -10,7 +10,8 @@
 use crate::motion::moves::{LONG_TIME, Move, WHOLE};
 use crate::motion::number::{acceleration, feed_speed, length_of, long_time, mm, root, square};
 use crate::port::EndstopSet;
-use crate::units::{Feed, Length, MmPerSec, MmPerSec2, Ratio, SpeedSq, Steps, SubTicks, TICKS_PER_SECOND};
+use crate::settings::ranges::ADVANCE;
+use crate::units::{Feed, Length, MmPerSec, MmPerSec2, Ratio, Seconds, SpeedSq, Steps, SubTicks, TICKS_PER_SECOND};
 
 /// Time over `level` at a nominal speed. It may be long, so every bit counts. One step of Newton's method refines the
 /// single-precision value, to 2^-16 of a tick in three minutes and to a thousandth of a tick in hours.
@@ -32,6 +33,37 @@ pub(in crate::motion) fn max_ramp_length(length: Length, cruise: Ratio) -> Lengt
     length.ratio(Ratio::ONE.saturating_sub(cruise))
 }
 
+/// The advance and the endstops of a move in one word. In two, a move in the window would take 8 bytes more.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::motion) struct AdvanceAndWatch(u32);
+
+/// Bits of the endstops, which are the lowest.
+const WATCH_BITS: u32 = 4;
+const _: () = assert!(EndstopSet::ALL.0 >> WATCH_BITS == 0 && ADVANCE.most.to_bits() <= u32::MAX >> WATCH_BITS);
+
+impl AdvanceAndWatch {
+    /// None of them.
+    const NONE: Self = Self(0);
+
+    /// The advance that its filament needs, and the endstops that end it early.
+    #[inline(always)]
+    pub const fn new(advance: Seconds, watch: EndstopSet) -> Self {
+        Self(advance.to_bits() << WATCH_BITS | watch.and(EndstopSet::ALL).0 as u32)
+    }
+
+    /// The advance that its filament needs.
+    #[inline(always)]
+    pub const fn advance(self) -> Seconds {
+        Seconds::from_bits(self.0 >> WATCH_BITS)
+    }
+
+    /// Endstops that end it early.
+    #[inline(always)]
+    pub const fn watch(self) -> EndstopSet {
+        EndstopSet(self.0 as u8).and(EndstopSet::ALL)
+    }
+}
+
 /// The parts of a trapezoid.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::motion) struct MoveSpec {
@@ -43,10 +75,12 @@ pub(in crate::motion) struct MoveSpec {
     pub acceleration: MmPerSec2,
     /// Speed not to be exceeded.
     pub nominal: Feed,
+    /// The fastest that axes and motors let it be.
+    pub max_speed: Feed,
     /// Where it ends, in steps of x, y, z and e.
     pub end: [Steps; 4],
-    /// Endstops that end it early.
-    pub watch: EndstopSet,
+    /// Its advance and its endstops.
+    pub own: AdvanceAndWatch,
 }
 
 impl MoveSpec {
@@ -56,8 +90,9 @@ impl MoveSpec {
         max_ramp_length: Length::ZERO,
         acceleration: MmPerSec2::ZERO,
         nominal: Feed::ZERO,
+        max_speed: Feed::ZERO,
         end: [Steps::ZERO; 4],
-        watch: EndstopSet::NONE,
+        own: AdvanceAndWatch::NONE,
     };
 }
 
@@ -71,7 +106,8 @@ pub(in crate::motion) fn profile(
     (entry_sq, entry_speed): (SpeedSq, f32),
     exit_sq: SpeedSq,
 ) -> (Move, f32) {
-    let MoveSpec { length, max_ramp_length, acceleration: a, nominal, end, watch } = *spec;
+    let MoveSpec { length, max_ramp_length, acceleration: a, nominal, end, own, .. } = *spec;
+    let watch = own.watch();
     let nominal_sq = SpeedSq::of(nominal.into());
     // Halves first: the gain of a long move is the greatest number, and a sum with it would overflow.
     let meet_sq = SpeedSq(entry_sq.0 / 2 + exit_sq.0 / 2 + SpeedSq::gained(a, max_ramp_length).0 / 2);
@@ -201,8 +237,7 @@ mod tests {
             max_ramp_length: max_ramp_length(length, Ratio::from_num(ratio)),
             acceleration: MmPerSec2::from_num(a),
             nominal: Feed::from_num(nominal),
-            end: [Steps::ZERO; 4],
-            watch: EndstopSet::NONE,
+            ..MoveSpec::NONE
         };
         let (planned, exit_speed) = profile(&spec, (sq(entry), entry as f32), sq(exit));
         assert!((f64::from(exit_speed) - exit).abs() <= 1e-7 * exit);

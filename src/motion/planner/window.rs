@@ -295,10 +295,11 @@ impl<'m> Window<'m> {
         let exit_sq = exit.map_or(SpeedSq::ZERO, |(exit_sq, _)| exit_sq);
         let (mut released, exit_speed) = profile(&planned.spec, (self.front_sq, self.front_speed), exit_sq);
         released.rests = exit.is_none();
-        if planned.advance > Seconds::ZERO {
+        let advance = planned.spec.own.advance();
+        if advance > Seconds::ZERO {
             let [.., end] = planned.spec.end;
             // By the steps that filament has really come since the last move that left, so that no rounding adds up.
-            let way = i128::from(end.wrapping_sub(filament).to_bits()) * i128::from(planned.advance.to_bits());
+            let way = i128::from(end.wrapping_sub(filament).to_bits()) * i128::from(advance.to_bits());
             released.advance = Steps::from_bits((way >> Seconds::FRAC_NBITS) as i64);
         }
         let ticks = planned.nominal_ticks;

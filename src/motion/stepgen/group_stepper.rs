@@ -212,7 +212,7 @@ impl GroupStepper {
             return self.begin_way(from, unbent(group, trajectory, &from, to));
         }
         match trajectory.follows(axes(group).map(|(axis, _)| axis), time) {
-            Some(span) => self.begin_piece(from, to, Some((span.curve, span.slow_share))),
+            Some(span) => self.begin_piece(from, to, Some((span.curve(), span.slow_share()))),
             None => self.begin_way(from, to),
         }
     }

@@ -71,12 +71,13 @@ impl Boundary {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Span {
     pub begin: Boundary,
-    /// One over its time, in ticks.
+    /// One over its time, in ticks; with the sign bit, its speed falls.
     rate: f32,
-    /// s of the formula.
-    pub slow_share: f32,
-    pub curve: Curve,
+    /// s of the formula; with the sign bit, its speed changes. As a field, the curve would take 8 bytes.
+    slow_share: f32,
 }
+
+const _: () = assert!(size_of::<Span>() == 64);
 
 impl Span {
     /// No span. It is all zeros, which take no flash in static memory.
@@ -84,20 +85,41 @@ impl Span {
         begin: Boundary { time: SubTicks::ZERO, position: [Steps::ZERO; AXES], scale: [0; 2] },
         rate: 0.0,
         slow_share: 0.0,
-        curve: Curve::Steady,
     };
+
+    /// The curve of its speed.
+    #[inline]
+    pub const fn curve(&self) -> Curve {
+        if self.slow_share.is_sign_positive() {
+            Curve::Steady
+        } else if self.rate.is_sign_negative() {
+            Curve::Slowing
+        } else {
+            Curve::Speeding
+        }
+    }
+
+    /// s of the formula.
+    #[inline]
+    pub const fn slow_share(&self) -> f32 {
+        self.slow_share.abs()
+    }
 
     /// Becomes the span of a phase from `begin` on.
     pub fn lay(&mut self, begin: &Boundary, phase: &Phase) {
         self.begin = *begin;
-        self.rate = 1.0 / ticks(phase.time).max(1.0 / 256.0);
-        self.slow_share = phase.slow_share.min(WHOLE) as f32 * const { 1.0 / WHOLE as f32 };
-        self.curve = phase.curve;
+        let rate = 1.0 / ticks(phase.time).max(1.0 / 256.0);
+        let slow_share = phase.slow_share.min(WHOLE) as f32 * const { 1.0 / WHOLE as f32 };
+        (self.rate, self.slow_share) = match phase.curve {
+            Curve::Steady => (rate, slow_share),
+            Curve::Speeding => (rate, -slow_share),
+            Curve::Slowing => (-rate, -slow_share),
+        };
     }
 
     /// The state of an axis at `time` within the span, which ends at `end`.
     pub fn state(&self, axis: usize, end: &Boundary, time: SubTicks) -> AxisState {
-        self.state_between(axis, end, (self.begin.time, end.time, self.rate), time)
+        self.state_between(axis, end, (self.begin.time, end.time, self.rate.abs()), time)
     }
 
     /// The same for a copy with another begin and end.
@@ -128,18 +150,19 @@ impl Span {
         let way = to_f32(way);
         let mean = way * rate;
         let from_begin = ticks(time.saturating_sub(begins)) * rate;
-        if self.curve == Curve::Steady {
+        let (curve, slow_share) = (self.curve(), self.slow_share());
+        if curve == Curve::Steady {
             // At the ends it is the boundary itself, so that no rounding is handed on from span to span.
             let position = if time >= ends { to } else { from.wrapping_add(from_f32(way * from_begin)) };
             return AxisState { position, speed: mean };
         }
-        let fast_share = 1.0 - self.slow_share;
-        let is_slowing = self.curve == Curve::Slowing;
+        let fast_share = 1.0 - slow_share;
+        let is_slowing = curve == Curve::Slowing;
         // Seen from the slow end, where both terms are small and single precision is finest.
         let x = if is_slowing { ticks(ends.saturating_sub(time)) * rate } else { from_begin };
         let x = x.min(1.0);
-        let speed = mean * (self.slow_share + 2.0 * (fast_share * x));
-        let gone = way * (x * (self.slow_share + fast_share * x));
+        let speed = mean * (slow_share + 2.0 * (fast_share * x));
+        let gone = way * (x * (slow_share + fast_share * x));
         let position = if time >= ends {
             to
         } else if time <= begins {
