@@ -34,7 +34,20 @@ impl<T: Copy> Axes<T> {
 
 impl<T> Axes<T> {
     /// The value of an axis, by its number.
-    pub(super) const fn get_mut(&mut self, axis: usize) -> Option<&mut T> {
+    #[must_use]
+    pub const fn get(&self, axis: usize) -> Option<&T> {
+        match axis {
+            0 => Some(&self.x),
+            1 => Some(&self.y),
+            2 => Some(&self.z),
+            3 => Some(&self.e),
+            _ => None,
+        }
+    }
+
+    /// The value of an axis, by its number.
+    #[must_use]
+    pub const fn get_mut(&mut self, axis: usize) -> Option<&mut T> {
         match axis {
             0 => Some(&mut self.x),
             1 => Some(&mut self.y),
@@ -83,7 +96,7 @@ impl<T: Copy> Cartesian<T> {
 
     /// The value of an axis.
     #[must_use]
-    pub const fn of(self, axis: HomedAxis) -> T {
+    pub const fn of(&self, axis: HomedAxis) -> T {
         match axis {
             HomedAxis::X => self.x,
             HomedAxis::Y => self.y,

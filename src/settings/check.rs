@@ -3,7 +3,7 @@
 use super::ranges;
 use super::rows::{Field, Key, Value, Visitor};
 use super::thermal::{ThermalSettings, Thermistor};
-use super::{Axes, DriverGroups, EXTRA_SENSORS, Endstop, HomedAxis, OwnDriver, Range, Settings};
+use super::{DriverGroups, EXTRA_SENSORS, Endstop, HomedAxis, OwnDriver, Range, Settings};
 use crate::connectors::{FANS, HEATERS, Heater};
 use crate::kinematics::{MechanismError, Row, multiple};
 use crate::motors::{Motor, MotorName, MotorSet};
@@ -139,8 +139,8 @@ fn endstop(e: Endstop, reach: Range<Mm>, key: &'static str) -> Result<(), Settin
 }
 
 fn thermal(t: &ThermalSettings) -> Result<(), SettingsError> {
-    for (heater, key) in t.heaters.all().into_iter().zip(&THERMISTORS) {
-        thermistor(heater.thermistor, key)?;
+    for (heater, key) in Heater::ALL.into_iter().zip(&THERMISTORS) {
+        thermistor(t.heater(heater).thermistor, key)?;
     }
     for (a, b) in [(Heater::Hotend, Heater::Bed), (Heater::Hotend, Heater::Chamber), (Heater::Bed, Heater::Chamber)] {
         let (a, b) = (t.heater(a), t.heater(b));
@@ -223,8 +223,8 @@ impl Settings {
         if let Some(key) = found.first {
             return Err(SettingsError::OutOfRange(key));
         }
-        let Axes { x, y, z, e } = &self.axes;
-        for (number, (axis, name)) in [x, y, z, e].into_iter().zip(&AXES).enumerate() {
+        for (number, name) in AXES.iter().enumerate() {
+            let Some(axis) = self.axes.get(number) else { break };
             let finest = self.finest(number);
             // A motor with a multiple makes more steps than the axis has.
             legal_beside(ranges::STEPS_PER_MM.holds(finest), name)?;
@@ -277,13 +277,14 @@ impl Settings {
     /// Checks that motors with own values of their drivers may have them.
     fn check_own_drivers(&self) -> Result<(), SettingsError> {
         let belt = if self.belt.is_closed { self.mechanism.belt_motors() } else { MotorSet::NONE };
-        let own = |motor: Motor| (self.name_of(motor), self.drivers.own(motor).current_ma);
-        let mut currents = belt.iter().map(own);
-        if let Some(first) = currents.next()
-            && let Some(other) = currents.find(|(_, current)| *current != first.1)
-        {
-            let (motors, currents) = ([first.0, other.0], [first.1, other.1]);
-            return Err(SettingsError::BeltCurrents { motors, currents });
+        let current = |motor: Motor| self.drivers.own(motor).current_ma;
+        let mut first = None;
+        for motor in belt.iter() {
+            let first = *first.get_or_insert(motor);
+            if current(motor) != current(first) {
+                let motors = [self.name_of(first), self.name_of(motor)];
+                return Err(SettingsError::BeltCurrents { motors, currents: [current(first), current(motor)] });
+            }
         }
         let is_group = |motor: &Motor| DriverGroups::NAMES.contains(&self.name_of(*motor).as_str());
         let has_own = |motor: &Motor| self.drivers.own(*motor) != OwnDriver::NONE;

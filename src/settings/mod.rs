@@ -398,13 +398,7 @@ impl Settings {
     /// moves none, times the number of its row.
     #[must_use]
     pub fn steps_per_mm(&self, motor: Motor) -> StepsPerMm {
-        let Axes { x, y, z, e } = self.axes;
-        let axis = match self.mechanism.axis_of(motor) {
-            Some(0) => x,
-            Some(1) => y,
-            Some(2) => z,
-            _ => e,
-        };
+        let axis = self.mechanism.axis_of(motor).and_then(|axis| self.axes.get(axis)).unwrap_or(&self.axes.e);
         let times = self.mechanism.rows.get(motor.index()).map_or(1, |row| multiple(*row)).max(1);
         axis.steps_per_mm.saturating_mul_int(times.unsigned_abs().into())
     }
@@ -412,7 +406,7 @@ impl Settings {
     /// The resolution of an axis in steps of the motor with the most steps, which limits its speed.
     #[must_use]
     pub fn finest(&self, axis: usize) -> StepsPerMm {
-        let steps_per_mm = self.axes.to_array().get(axis).map_or(StepsPerMm::MAX, |axis| axis.steps_per_mm);
+        let steps_per_mm = self.axes.get(axis).map_or(StepsPerMm::MAX, |axis| axis.steps_per_mm);
         steps_per_mm.saturating_mul_int(self.mechanism.most_times(axis).max(1).unsigned_abs().into())
     }
 }

@@ -52,7 +52,7 @@ impl Settings {
     /// Names the usual connectors of a board, if the settings name those of the prototype. Records and files without
     /// connectors name those, on every board.
     pub fn name_connectors(&mut self, board: &BoardConnectors) {
-        if self.wiring == Wiring::prototype() {
+        if self.wiring == const { Wiring::prototype() } {
             self.wiring = Wiring::usual(board);
         }
     }

@@ -1,14 +1,14 @@
 //! Reach: where the tool can go, and where the probe can touch.
 
-use super::{Axes, Cartesian, HomedAxis, Range, Settings};
+use super::{HomedAxis, Range, Settings};
 use crate::units::Mm;
 
 impl Settings {
     /// Where an axis can be.
     #[must_use]
     pub fn reach(&self, axis: HomedAxis) -> Range<Mm> {
-        let Axes { x, y, z, .. } = self.axes;
-        let (least, length) = (self.axis_min.of(axis), Cartesian { x, y, z }.of(axis).length);
+        let (least, length) =
+            (self.axis_min.of(axis), self.axes.get(axis as usize).map_or(Mm::ZERO, |axis| axis.length));
         Range { least, most: least.saturating_add(length) }
     }
 

@@ -74,7 +74,10 @@ fn named_value(word: &[u8]) -> Option<(&[u8], &[u8])> {
 pub(super) fn times_ten_to(number: Number, exponent: Number) -> Number {
     let (bits, exponent) = (number.value().to_bits(), exponent.to_int());
     // Beyond 10^18 no digit is left, or it is beyond all limits.
-    let power = 10i64.pow(exponent.unsigned_abs().min(18));
+    let mut power = 1;
+    for _ in 0..exponent.unsigned_abs().min(18) {
+        power *= 10;
+    }
     let bits = if exponent < 0 { (bits + bits.signum() * (power / 2)) / power } else { bits.saturating_mul(power) };
     Number::saturating(I32F32::from_bits(bits))
 }

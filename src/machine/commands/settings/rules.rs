@@ -91,19 +91,25 @@ fn resolution_of_motors(s: &Settings, axis: usize, legal: Legal) -> Legal {
 /// M92: axes that share motors have one step. Speeds fall with finer steps, because the step rate of a motor is
 /// limited.
 fn check_resolutions(_: &PlainWords, s: &mut Settings, _: &mut Notices) -> Ending {
-    let speeds = |s: &Settings| (s.axes.map(|a| a.max_speed), s.motor_max_speed);
-    let before = speeds(s);
     if let Err(axes) = s.check_shared_motors() {
         return Ending::Refusal(Answer::SharedMotors(axes));
     }
-    let most = [0, 1, 2, 3].map(|axis| ranges::STEP_RATE / s.finest(axis));
-    let [x, y, z, e] = most;
-    let a = &mut s.axes;
-    for (axis, most) in [(&mut a.x, x), (&mut a.y, y), (&mut a.z, z), (&mut a.e, e)] {
-        axis.max_speed = axis.max_speed.min(most);
+    let mut is_lowered = false;
+    let mut lower = |speed: &mut MmPerSec, most: MmPerSec| {
+        is_lowered |= *speed > most;
+        *speed = most.min(*speed);
+    };
+    for number in 0..4 {
+        let most = ranges::STEP_RATE / s.finest(number);
+        if let Some(axis) = s.axes.get_mut(number) {
+            lower(&mut axis.max_speed, most);
+        }
+        // A belt motor is as fast as x and y allow.
+        if number < 2 {
+            lower(&mut s.motor_max_speed, most);
+        }
     }
-    s.motor_max_speed = s.motor_max_speed.min(x.min(y));
-    if speeds(s) == before { Ending::Done } else { Ending::Remark(Answer::says(say_lowered, 0)) }
+    if is_lowered { Ending::Remark(Answer::says(say_lowered, 0)) } else { Ending::Done }
 }
 
 fn say_lowered(to: &mut Speaker<'_>, _: &Facts<'_>) {
