@@ -13,7 +13,7 @@ use super::commands::own::{OwnRow, own_of_code};
 use super::commands::table::{row_of, row_of_name};
 use super::commands::{Command, RefusedCommand};
 use super::lexer::{is_outside, skip_blanks, skip_past};
-use crate::text::{trim_end, trim_start};
+use crate::text::{is_word, trim_end, trim_start};
 
 /// The first character of texts that some editors write (U+FEFF, the byte order mark).
 const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
@@ -79,7 +79,7 @@ fn is_condition(text: &[u8]) -> bool {
     let [b'{' | b'[', text @ ..] = text else { return false };
     let text = trim_start(text, |byte| is_outside(byte) || matches!(byte, b'%' | b'-'));
     let end = text.iter().position(|byte| !byte.is_ascii_alphanumeric() && *byte != b'_').unwrap_or(text.len());
-    text.get(..end).is_some_and(|name| WORDS.iter().any(|word| name.eq_ignore_ascii_case(word)))
+    text.get(..end).is_some_and(|name| WORDS.iter().any(|word| is_word(name, word)))
 }
 
 /// The line from its code on, if only a byte order mark and `( )` comments precede it.

@@ -31,7 +31,7 @@ impl PlainWords {
     /// The number of a letter.
     #[must_use]
     pub fn number(&self, letter: &str) -> Option<Number> {
-        letters(self.code).zip(self.numbers).find(|(own, _)| *own == letter).and_then(|(_, number)| number)
+        letters(self.code).zip(&self.numbers).find(|(own, _)| *own == letter).and_then(|(_, number)| *number)
     }
 }
 

@@ -168,6 +168,13 @@ pub fn letters(number: u16) -> impl Iterator<Item = &'static str> {
     of_rows.chain(condition(number).beside).copied()
 }
 
+/// Whether it is a letter of a code.
+#[must_use]
+pub fn has_letter(number: u16, letter: u8) -> bool {
+    let is_in = |letters: &[&str]| letters.iter().any(|letters| letters.as_bytes().contains(&letter));
+    is_in(condition(number).beside) || LINES.iter().any(|line| line.number == number && is_in(line.letters))
+}
+
 /// A word of a line, and the setting that it sets.
 #[derive(Clone, Copy, Debug)]
 pub struct Word {

@@ -244,15 +244,18 @@ async fn read_record(
     slot: Slot,
     record: &mut [u8; LONGEST],
 ) -> Result<Result<(), Rejected>, StorageError> {
-    let (head, tail) = record.split_at_mut(PAGE);
-    storage.read(slot.address(), head).await?;
-    let length = match length(head) {
-        Ok(length) => length,
-        Err(why) => return Ok(Err(why)),
-    };
-    let tail = tail.get_mut(..length.saturating_sub(PAGE)).unwrap_or_default();
-    for (i, page) in tail.chunks_mut(PAGE).enumerate() {
-        storage.read(slot.address() + address((i + 1) * PAGE), page).await?;
+    // The first page says how many follow.
+    let (mut at, mut end) = (0, PAGE);
+    while at < end {
+        let page = record.get_mut(at..end.min(at + PAGE)).unwrap_or_default();
+        storage.read(slot.address() + address(at), page).await?;
+        if at == 0 {
+            end = match length(page) {
+                Ok(length) => length,
+                Err(why) => return Ok(Err(why)),
+            };
+        }
+        at += PAGE;
     }
     Ok(Ok(()))
 }

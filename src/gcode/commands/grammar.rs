@@ -10,7 +10,7 @@ use crate::gcode::index::{Absent, Named, Part, absent};
 use crate::gcode::lexer::{Word, Words, is_blank, skip_blanks, skip_past};
 use crate::gcode::number::Number;
 use crate::gcode::parts::Flaw;
-use crate::settings::plain::letters;
+use crate::settings::plain::has_letter;
 
 /// The rules for the words of a command.
 #[derive(Clone, Copy, Debug)]
@@ -71,8 +71,7 @@ impl Grammar {
 
     /// Whether a letter needs a number.
     fn needs_number(&self, code: Code, letter: u8) -> bool {
-        self.numbers.has(letter)
-            || (self.is_plain && letters(code.number).any(|letters| letters.as_bytes().contains(&letter)))
+        self.numbers.has(letter) || (self.is_plain && has_letter(code.number, letter))
     }
 
     /// The same, and these letters are axes that there are not.

@@ -2,7 +2,7 @@
 
 use super::Command;
 use super::row::Described;
-use crate::gcode::lexer::{Words, is_outside, skip_blanks};
+use crate::gcode::lexer::{Words, is_outside, numbers, skip_blanks};
 use crate::gcode::number::Number;
 use crate::gcode::parts::ParkWords;
 use crate::text::trim_end;
@@ -86,24 +86,13 @@ const fn job(command: JobCommand<'_>) -> Option<Command<'_>> {
 
 /// The words of M125, M600, M601; `back` is the letter of the filament that is pulled back.
 fn park_words(text: &[u8], back: u8) -> ParkWords {
-    let mut park = ParkWords::default();
-    for word in Words::new(text) {
-        match word.letter {
-            b'X' => park.x = word.number,
-            b'Y' => park.y = word.number,
-            b'Z' => park.z = word.number,
-            b'R' => park.target = word.number,
-            letter if letter == back => park.e = word.number,
-            b'U' if back == b'E' => park.unload = word.number,
-            b'L' if back == b'E' => park.load = word.number,
-            // A tool (there is only one); beeps; whether to ask.
-            b'T' | b'B' | b'P' | b'S' => {}
-            letter if word.number.is_some() => park.other = Some(letter),
-            // A letter of a name: M600 AUTO.
-            _ => {}
-        }
-    }
-    park
+    let [x, y, z, target, e] = numbers(text, &[b'X', b'Y', b'Z', b'R', back]);
+    let [unload, load] = if back == b'E' { numbers(text, b"UL") } else { [None; 2] };
+    // T is a tool (there is only one); B beeps; P and S say whether to ask.
+    let known: &[u8] = if back == b'E' { b"XYZREULTBPS" } else { b"XYZRLTBPS" };
+    // Without a number it is a letter of a name: M600 AUTO.
+    let others = Words::new(text).filter(|word| word.number.is_some() && !known.contains(&word.letter));
+    ParkWords { x, y, z, target, e, unload, load, other: others.last().map(|word| word.letter) }
 }
 
 /// M0, M1: S and P in front, in any order, then a message that is not shown.
