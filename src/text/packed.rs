@@ -16,17 +16,21 @@ const DEPTH: usize = 8;
 /// Words with codes of one byte, the control characters; the others begin here.
 const SHORT: usize = 0x20;
 
-/// A text with places for values. The arguments are those of `format_args!`.
+/// A text with places for values. The arguments are those of `format_args!`. Its code counts as its caller's, also in the
+/// sizes of rooms.
+#[collapse_debuginfo(yes)]
 macro_rules! text {
     ($($args:tt)*) => { $crate::text::Text(::corehbot_text_macro::packed_args!($($args)*)) };
 }
 
 /// Writes a text to a `Formatter`. The other arguments are those of `format_args!`.
+#[collapse_debuginfo(yes)]
 macro_rules! put {
     ($f:expr, $($args:tt)*) => { $crate::text::put($f, ::corehbot_text_macro::packed_args!($($args)*)) };
 }
 
 /// A fixed text, from a literal.
+#[collapse_debuginfo(yes)]
 macro_rules! packed {
     ($text:literal) => {
         $crate::text::Packed(::corehbot_text_macro::packed_str!($text))
