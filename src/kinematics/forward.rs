@@ -21,27 +21,31 @@ impl Weights {
     /// One copy and no unrolled loop: the firmware needs it once.
     #[inline(never)]
     fn new(rows: &[Row]) -> Option<Self> {
-        let mut square = [[0i64; 3]; 3];
-        let mut filament = 0;
-        for &[x, y, z, e] in rows {
-            let row = [x, y, z].map(i64::from);
-            for (sums, a) in square.iter_mut().zip(row) {
-                for (sum, b) in sums.iter_mut().zip(row) {
-                    *sum += a * b;
-                }
-            }
-            filament += i64::from(e) * i64::from(e);
+        let [mut a, mut b, mut c, mut d, mut e, mut f, mut filament] = [0; 7];
+        for row in rows {
+            let [x, y, z, of_filament] = row.map(i32::from);
+            (a, b, c) = (a + x * x, b + x * y, c + x * z);
+            (d, e, f) = (d + y * y, e + y * z, f + z * z);
+            filament += of_filament * of_filament;
         }
-        let [[a, b, c], [_, d, e], [.., f]] = square;
         // Symmetric, so six numbers suffice.
         let (bc, ac, ab) = (c * e - b * f, b * e - c * d, b * c - a * e);
-        let adjugate = [[d * f - e * e, bc, ac], [bc, a * f - c * c, ab], [ac, ab, a * d - b * b]];
-        let determinant = a * adjugate[0][0] + b * bc + c * ac;
-        // In lowest terms, to keep sums of counts short.
-        let divisor = adjugate.as_flattened().iter().fold(determinant, |all, one| greatest_divisor(all, *one)).max(1);
         // Squares of eight rows of 16 each are 2^11 at most, products of two of them 2^22, and their differences 2^23.
-        let adjugate = adjugate.map(|row| row.map(|weight| (weight / divisor) as i32));
-        (determinant != 0 && filament != 0).then_some(Self { adjugate, determinant: determinant / divisor, filament })
+        let bb = d * f - e * e;
+        let mut adjugate = [[bb, bc, ac], [bc, a * f - c * c, ab], [ac, ab, a * d - b * b]];
+        let [a, b, c] = [a, b, c].map(i64::from);
+        let determinant = a * i64::from(bb) + b * i64::from(bc) + c * i64::from(ac);
+        // In lowest terms, to keep sums of counts short.
+        let mut divisor = determinant;
+        for weight in adjugate.as_flattened() {
+            divisor = greatest_divisor(divisor, (*weight).into());
+        }
+        let divisor = divisor.max(1);
+        for weight in adjugate.as_flattened_mut() {
+            *weight = (i64::from(*weight) / divisor) as i32;
+        }
+        let (determinant, filament) = (determinant / divisor, i64::from(filament));
+        (determinant != 0 && filament != 0).then_some(Self { adjugate, determinant, filament })
     }
 
     /// Each axis as a sum and its divisor.
@@ -70,6 +74,7 @@ fn steps((sum, over): (i64, i64)) -> Steps {
 }
 
 /// Greatest common divisor, never negative (Euclid, Elements, VII.2).
+#[inline(never)]
 pub(super) const fn greatest_divisor(a: i64, b: i64) -> i64 {
     let (mut a, mut b) = (a.abs(), b.abs());
     while b != 0 {

@@ -105,23 +105,28 @@ impl Mechanism {
         Motor::ALL.into_iter().zip(self.rows)
     }
 
-    /// The motors with a row that `wanted` accepts.
-    fn motors_with(&self, wanted: impl Fn(Row) -> bool) -> MotorSet {
-        self.motors()
-            .fold(MotorSet::NONE, |set, (motor, row)| if wanted(row) { set.with(MotorSet::of(motor)) } else { set })
+    /// The motors that move one of these axes.
+    #[inline(never)]
+    fn motors_with(&self, axes: &[usize]) -> MotorSet {
+        let mut motors = MotorSet::NONE;
+        for (motor, row) in Motor::ALL.into_iter().zip(&self.rows) {
+            if axes.iter().any(|axis| row.get(*axis).is_some_and(|times| *times != 0)) {
+                motors = motors.with(MotorSet::of(motor));
+            }
+        }
+        motors
     }
 
     /// The fitted motors.
     #[must_use]
     pub fn fitted(&self) -> MotorSet {
-        self.motors_with(|row| row != NOT_FITTED)
+        self.motors_with(&[0, 1, 2, 3])
     }
 
     /// The motors that an axis needs to move, by its number.
     #[must_use]
-    #[inline(never)]
     pub fn motors_of(&self, axis: usize) -> MotorSet {
-        self.motors_with(|row| row.get(axis).is_some_and(|times| *times != 0))
+        self.motors_with(&[axis])
     }
 
     /// The first motor of the filament.
@@ -133,7 +138,7 @@ impl Mechanism {
     /// The motors that move x or y. They have belts.
     #[must_use]
     pub fn belt_motors(&self) -> MotorSet {
-        self.motors_with(|[x, y, ..]| x != 0 || y != 0)
+        self.motors_with(&[0, 1])
     }
 
     /// Whether all belt motors can turn alike with the tool at rest, so that a closed belt over all of them circulates.
