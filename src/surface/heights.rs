@@ -114,7 +114,7 @@ impl Heights {
     /// The heights of all points.
     pub fn points(&self) -> impl Iterator<Item = i16> {
         let columns = self.columns();
-        self.points.iter().take(self.rows()).flat_map(move |row| row.iter().copied().take(columns))
+        (0..columns * self.rows()).map(move |number| self.get(number % columns, number / columns))
     }
 
     /// The mean height of the points.

@@ -143,8 +143,12 @@ impl Mesh {
     /// below 0 add up to half of what [`OVERSHOOT`] is above 1.
     fn highest(&self) -> i32 {
         const SHARE: i32 = ((OVERSHOOT - 1.0) / 2.0 * 32.0) as i32;
-        let [least, most] = [self.heights.points().min(), self.heights.points().max()]
-            .map(|point| i32::from(point.unwrap_or_default()));
+        let first = self.heights.get(0, 0);
+        let (mut least, mut most) = (first, first);
+        for point in self.heights.points() {
+            (least, most) = (least.min(point), most.max(point));
+        }
+        let (least, most) = (i32::from(least), i32::from(most));
         most + ((most - least) * SHARE + 31) / 32
     }
 

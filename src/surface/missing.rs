@@ -18,25 +18,39 @@ fn beside(points: &Points, [column, row]: [usize; 2], [columns, rows]: [isize; 2
 /// The four directions along columns and rows.
 const DIRECTIONS: [[isize; 2]; 4] = [[1, 0], [-1, 0], [0, 1], [0, -1]];
 
-/// The mean of the heights that the directions give for a point; `None` if they give none.
-fn mean(of_direction: impl Fn([isize; 2]) -> Option<i32>) -> Option<i16> {
-    let (sum, count) = DIRECTIONS.into_iter().filter_map(of_direction).fold((0, 0), |(s, n), h| (s + h, n + 1));
+/// The mean height of a point on the straight lines through its neighbours, or else of its next neighbours; `None` if
+/// there are none.
+#[inline(never)]
+fn mean(points: &Points, at: [usize; 2], is_on_lines: bool) -> Option<i16> {
+    let (mut sum, mut count) = (0, 0);
+    for [columns, rows] in DIRECTIONS {
+        let Some(near) = beside(points, at, [columns, rows]) else { continue };
+        let mut height = i32::from(near);
+        if is_on_lines {
+            let Some(far) = beside(points, at, [2 * columns, 2 * rows]) else { continue };
+            height = 2 * height - i32::from(far);
+        }
+        (sum, count) = (sum + height, count + 1);
+    }
     let mean: i32 = if count == 0 { return None } else { sum / count };
     Some(mean.clamp(i16::MIN.into(), i16::MAX.into()) as i16)
 }
 
-/// The height of a missing point on the straight lines through its neighbours.
-fn on_lines(points: &Points, at: [usize; 2]) -> Option<i16> {
-    mean(|[columns, rows]| {
-        let near = beside(points, at, [columns, rows])?;
-        let far = beside(points, at, [2 * columns, 2 * rows])?;
-        Some(2 * i32::from(near) - i32::from(far))
-    })
-}
-
-/// The mean height of its next neighbours.
-fn as_neighbours(points: &Points, at: [usize; 2]) -> Option<i16> {
-    mean(|direction| beside(points, at, direction).map(i32::from))
+/// Gives the points without a height their [`mean`] of the points before. Returns how many had none, and how many got
+/// one.
+#[inline(never)]
+fn fill(points: &mut Points, before: &Points, [columns, rows]: [usize; 2], is_on_lines: bool) -> [usize; 2] {
+    let (mut missing, mut filled) = (0, 0);
+    for (row, heights) in points.iter_mut().take(rows).enumerate() {
+        for (column, height) in heights.iter_mut().take(columns).enumerate() {
+            if height.is_none() {
+                *height = mean(before, [column, row], is_on_lines);
+                missing += 1;
+                filled += usize::from(height.is_some());
+            }
+        }
+    }
+    [missing, filled]
 }
 
 impl Heights {
@@ -45,28 +59,27 @@ impl Heights {
     #[must_use]
     pub fn filled(columns: usize, rows: usize, mut measured: impl FnMut(usize, usize) -> Option<i16>) -> Option<Self> {
         let mut heights = Self::flat(columns, rows)?;
-        let all = || (0..rows).flat_map(|row| (0..columns).map(move |column| [column, row]));
         let mut points: Points = [[None; MOST_POINTS]; MOST_POINTS];
-        let set = |points: &mut Points, [column, row]: [usize; 2], height: Option<i16>| {
-            if let Some(point) = points.get_mut(row).and_then(|row| row.get_mut(column)) {
-                *point = height;
+        for (row, points) in points.iter_mut().take(rows).enumerate() {
+            for (column, point) in points.iter_mut().take(columns).enumerate() {
+                *point = measured(column, row);
             }
-        };
-        all().for_each(|[column, row]| set(&mut points, [column, row], measured(column, row)));
+        }
         // Each round gives at least one point its height.
         for _ in 0..MOST_POINTS * MOST_POINTS {
             // All points of a round come from those of the round before, so that their order makes no difference.
             let before = points;
-            let missing = || all().filter(|at| beside(&before, *at, [0, 0]).is_none());
-            if missing().next().is_none() {
-                all().for_each(|[column, row]| {
-                    heights.set(column, row, beside(&points, [column, row], [0, 0]).unwrap_or_default());
-                });
+            let [missing, filled] = fill(&mut points, &before, [columns, rows], true);
+            if missing == 0 {
+                for (row, points) in points.iter().enumerate() {
+                    for (column, point) in points.iter().enumerate() {
+                        heights.set(column, row, point.unwrap_or_default());
+                    }
+                }
                 return Some(heights);
             }
-            missing().for_each(|at| set(&mut points, at, on_lines(&before, at)));
-            if points == before {
-                missing().for_each(|at| set(&mut points, at, as_neighbours(&before, at)));
+            if filled == 0 {
+                fill(&mut points, &before, [columns, rows], false);
             }
         }
         None
