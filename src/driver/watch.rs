@@ -80,10 +80,14 @@ struct Round(usize);
 
 impl Round {
     fn next(&mut self, of: MotorSet) -> Option<Motor> {
-        let mut order = Motor::ALL.into_iter().cycle().skip(self.0).take(MOTORS);
-        let next = order.find(|motor| of.has(*motor))?;
-        self.0 = next.index() + 1;
-        Some(next)
+        for place in self.0..self.0 + MOTORS {
+            let next = Motor::ALL.get(place % MOTORS).copied()?;
+            if of.has(next) {
+                self.0 = next.index() + 1;
+                return Some(next);
+            }
+        }
+        None
     }
 }
 
