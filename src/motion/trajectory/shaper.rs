@@ -27,12 +27,6 @@ const _: () = assert!(MOST_IMPULSES <= TAPS);
 /// Impulses of a shaper.
 pub(crate) type Impulses = Vec<Impulse, MOST_IMPULSES>;
 
-/// These impulses; too many do not compile.
-fn all_of<const N: usize>(impulses: [Impulse; N]) -> Impulses {
-    const { assert!(N <= MOST_IMPULSES) };
-    impulses.into_iter().collect()
-}
-
 /// Residual vibration of EI shapers.
 const LEFT: f32 = 0.05;
 
@@ -46,11 +40,42 @@ fn decay(x: f32) -> f32 {
     power
 }
 
-fn polynomial<const N: usize>(factors: [f32; N], x: f32) -> f32 {
-    factors.into_iter().rev().fold(0.0, |sum, factor| sum * x + factor)
+/// A polynomial by its factors, that of the highest power last.
+const fn polynomial(factors: &[f32], x: f32) -> f32 {
+    let (mut sum, mut left) = (0.0, factors);
+    while let [rest @ .., factor] = left {
+        (sum, left) = (sum * x + *factor, rest);
+    }
+    sum
 }
 
+/// Factors of a fit over the damping.
+type Fit = [f32; 4];
+
+/// A fit of EI: rows are the powers of the damping, columns those of the residual vibration.
+const fn of_vibration(rows: [[f32; 3]; 4]) -> Fit {
+    let [a, b, c, d] = rows;
+    [polynomial(&a, LEFT), polynomial(&b, LEFT), polynomial(&c, LEFT), polynomial(&d, LEFT)]
+}
+
+/// Time of the second impulse of EI, and weights of the first and the last one.
+static EI: [Fit; 3] = [
+    of_vibration([[0.4999, 0.0, 0.0], [0.0, 0.46159, 8.57843], [0.0, 4.26169, -108.644], [0.0, 1.75601, 336.989]]),
+    of_vibration([[0.24968, 0.24961, 0.0], [0.80008, 1.23328, 0.0], [0.49599, 3.17316, 0.0], [0.0; 3]]),
+    of_vibration([[0.25149, 0.21474, 0.0], [-0.83249, 1.41498, 0.0], [0.85181, -4.90094, 0.0], [0.0; 3]]),
+];
+
+/// Times and weights of the impulses of EI with two humps, for 5 % of residual vibration. Times are in periods without
+/// damping.
+static TWO_HUMP_EI: [(Fit, Fit); MOST_IMPULSES] = [
+    ([0.0; 4], [0.16054, 0.76699, 2.2656, -1.2275]),
+    ([0.4989, 0.1627, -0.54262, 6.1618], [0.33911, 0.45081, -2.5808, 1.7365]),
+    ([0.99748, 0.18382, -1.5827, 8.1712], [0.34089, -0.61533, -0.68765, 0.42261]),
+    ([1.4992, -0.09297, -0.28338, 1.8571], [0.15997, -0.60246, 1.0028, -0.93145]),
+];
+
 /// The impulses of a shaper; their weights sum to 1.
+#[inline(never)]
 pub(crate) fn impulses(shaper: &Shaper) -> Impulses {
     let z: f32 = shaper.damping.to_num();
     let frequency: f32 = shaper.frequency.to_num();
@@ -58,55 +83,51 @@ pub(crate) fn impulses(shaper: &Shaper) -> Impulses {
     let period = 1.0 / (frequency * root);
     // The amplitude that is left after half a damped period: later impulses are weaker by as much.
     let k = decay(z * core::f32::consts::PI / root);
-    let all = match shaper.kind {
-        ShaperKind::None => all_of([(0.0, 1.0)]),
-        ShaperKind::Zv => all_of([(0.0, 1.0), (0.5, k)]),
-        ShaperKind::Zvd => all_of([(0.0, 1.0), (0.5, 2.0 * k), (1.0, k * k)]),
+    let mut all = [(0.0, 1.0); MOST_IMPULSES];
+    let [first, second, third, _] = &mut all;
+    let count = match shaper.kind {
+        ShaperKind::None => 1,
+        ShaperKind::Zv => {
+            *second = (0.5, k);
+            2
+        }
+        ShaperKind::Zvd => {
+            (*second, *third) = ((0.5, 2.0 * k), (1.0, k * k));
+            3
+        }
         // Its impulses are three eighths of a period apart, three quarters of the half for which `k` holds.
         ShaperKind::Mzv => {
             let k = decay(0.75 * z * core::f32::consts::PI / root);
-            let first = 1.0 - core::f32::consts::FRAC_1_SQRT_2;
-            all_of([(0.0, first), (0.375, (core::f32::consts::SQRT_2 - 1.0) * k), (0.75, first * k * k)])
+            first.1 = 1.0 - core::f32::consts::FRAC_1_SQRT_2;
+            *second = (0.375, (core::f32::consts::SQRT_2 - 1.0) * k);
+            *third = (0.75, first.1 * k * k);
+            3
         }
-        // Rows are the powers of the damping, columns those of the residual vibration.
         ShaperKind::Ei => {
-            let at = |a: [[f32; 3]; 3]| polynomial(a.map(|row| polynomial(row, LEFT)), z);
-            let first = at([[0.24968, 0.24961, 0.0], [0.80008, 1.23328, 0.0], [0.49599, 3.17316, 0.0]]);
-            let last = at([[0.25149, 0.21474, 0.0], [-0.83249, 1.41498, 0.0], [0.85181, -4.90094, 0.0]]);
-            let time = polynomial(
-                [
-                    0.4999,
-                    polynomial([0.0, 0.46159, 8.57843], LEFT),
-                    polynomial([0.0, 4.26169, -108.644], LEFT),
-                    polynomial([0.0, 1.75601, 336.989], LEFT),
-                ],
-                z,
-            );
-            all_of([(0.0, first), (time, 1.0 - first - last), (1.0, last)])
+            let [time, begin, end] = &EI;
+            first.1 = polynomial(begin, z);
+            *third = (1.0, polynomial(end, z));
+            *second = (polynomial(time, z), 1.0 - first.1 - third.1);
+            3
         }
         ShaperKind::TwoHumpEi => {
-            // Rows are impulses, columns the powers of the damping, for 5 % of residual vibration.
-            let weights = [
-                [0.16054, 0.76699, 2.2656, -1.2275],
-                [0.33911, 0.45081, -2.5808, 1.7365],
-                [0.34089, -0.61533, -0.68765, 0.42261],
-                [0.15997, -0.60246, 1.0028, -0.93145],
-            ];
-            let times = [
-                [0.0; 4],
-                [0.4989, 0.1627, -0.54262, 6.1618],
-                [0.99748, 0.18382, -1.5827, 8.1712],
-                [1.4992, -0.09297, -0.28338, 1.8571],
-            ];
-            // These are in periods without damping.
-            let ([t0, t1, t2, t3], [w0, w1, w2, w3]) =
-                (times.map(|t| root * polynomial(t, z)), weights.map(|w| polynomial(w, z)));
-            all_of([(t0, w0), (t1, w1), (t2, w2), (t3, w3)])
+            for ((time, weight), (of_time, of_weight)) in all.iter_mut().zip(&TWO_HUMP_EI) {
+                (*time, *weight) = (root * polynomial(of_time, z), polynomial(of_weight, z));
+            }
+            MOST_IMPULSES
         }
     };
     // The laws leave out a common factor, and fits do not sum to 1 exactly.
-    let sum: f32 = all.iter().map(|(_, weight)| weight).sum();
-    all.into_iter().map(|(time, weight)| (time * period, weight / sum)).collect()
+    let mut sum = 0.0;
+    for (_, weight) in all.iter().take(count) {
+        sum += weight;
+    }
+    let mut impulses = Impulses::new();
+    for (time, weight) in all.iter().take(count) {
+        // There is a place for each.
+        let _ = impulses.push((time * period, weight / sum));
+    }
+    impulses
 }
 
 /// Mean delay of an impulse response.
