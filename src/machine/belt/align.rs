@@ -5,13 +5,14 @@
 //! Where both loads are equal, the strain in the middle is zero ([`load_curve`](super::load_curve)). Drivers measure in
 //! stealthChop, which is switched on for this time.
 
+pub(in crate::machine) use super::scan::BeltError;
+
 use super::diagnosis::FULL_STEPS_A_TURN;
 use super::load_curve::{
-    Findings, Load, PARTS, Readings, Slope, apex, contradiction, dragged, is_less_loaded, load_of_stroke, slope,
-    thousandths, without_torque,
+    Findings, PARTS, Slope, apex, contradiction, dragged, error, is_less_loaded, thousandths, without_torque,
 };
-use crate::driver::{DriverError, Fault, Job};
-use crate::kinematics::{Residual, Residuals, motors_in};
+use super::scan::{ALL, ARM, ARMS, LEFT, RIGHT, Scan, go_to, measure};
+use crate::kinematics::{Residual, Residuals};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::belt_answer::{AlignError, BeltAnswer};
 use crate::machine::apart::apart;
@@ -21,24 +22,10 @@ use crate::machine::main_loop::phase::find_phase;
 use crate::machine::main_loop::trim::{preload_of, trim, trimmed};
 use crate::machine::ports::PortSet;
 use crate::machine::state::trimming::Found;
-use crate::motion::Target;
-use crate::port::{EndstopSet, Motor, MotorSet, Pend};
-use crate::settings::{HomedAxis, Range, Settings};
-use crate::units::{Mm, MmPerSec, Steps, whole_root};
+use crate::port::{MotorSet, Pend};
+use crate::settings::Settings;
+use crate::units::MmPerSec;
 use core::pin::pin;
-
-/// Speed of a stroke: one turn a second of a pulley of 40 mm. Far below, load readings are too coarse (section 11: "a
-/// few 10 rpm").
-const SPEED: MmPerSec = MmPerSec::const_from_int(40);
-
-/// Length of a stroke, 1.5 s: about 25 jobs of [`Job::Load`] between the polls. On a short axis, a third of it.
-const STROKE: Mm = Mm::const_from_int(60);
-
-/// Part of a stroke at either end that is not measured: enough to reach the speed with 200 mm/s2.
-const RAMP: Mm = Mm::const_from_int(4);
-
-/// Trim to either side on the load curve, in full steps. Power-up leaves at most this much, so the apex lies between.
-const ARM: i32 = 2;
 
 /// Search range of the apex, in arms: three electrical turns. Four motors do not hold a larger strain
 /// (docs/research/twin.md: a single turn takes a third of their torque).
@@ -57,25 +44,6 @@ const AGREES: i64 = 128 + SURE + 128;
 /// A driver in stealthChop tunes itself at rest for more than 130 ms (section 6.2.1).
 const TUNING_MS: u32 = 200;
 
-/// Why work on the belt ended early.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(in crate::machine) enum BeltError {
-    Align(AlignError),
-    Interrupted(Interrupt),
-}
-
-impl From<Interrupt> for BeltError {
-    fn from(interrupt: Interrupt) -> Self {
-        Self::Interrupted(interrupt)
-    }
-}
-
-impl From<AlignError> for BeltError {
-    fn from(error: AlignError) -> Self {
-        Self::Align(error)
-    }
-}
-
 /// The trim with the least load on the motors of a residual.
 #[derive(Clone, Copy)]
 pub(in crate::machine) struct ApexFound {
@@ -93,33 +61,15 @@ pub(in crate::machine) struct ApexFound {
 impl ApexFound {
     /// The fall of a reading for a mm of strain.
     pub fn readings_per_mm(&self, settings: &Settings) -> u16 {
-        self.slope.readings_per_mm(settings.axes.x.steps_per_mm.to_num())
+        per_mm(self.slope, settings)
     }
 }
 
-/// State of a scan: the motor's trim from its start.
-struct Scan {
-    /// The residual's number.
-    number: usize,
-    motor: Motor,
-    motors: MotorSet,
-    /// Strokes go along y, because not all of the motors turn for x.
-    is_along_y: bool,
-    at: i32,
-}
-
-impl Scan {
-    /// A scan of a residual, with the motor at its present place.
-    fn new<P: PortSet, W: Pend>(
-        main_loop: &MainLoop<'_, P, W>,
-        number: usize,
-        motor: Motor,
-        residual: &Residual,
-    ) -> Self {
-        let (motors, mechanism) = (motors_in(residual), main_loop.motion.groups().mechanism());
-        let is_along_y = motors.without(mechanism.motors_of(0)) != MotorSet::NONE;
-        Self { number, motor, motors, is_along_y, at: 0 }
-    }
+/// What is done with the motors of each residual, as their loads are measured.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Work {
+    Align,
+    Prove,
 }
 
 /// Aligns all motors that can pull against each other. They have power, and the tool has room along x and y. The tool
@@ -132,68 +82,81 @@ pub(in crate::machine) async fn align<P: PortSet, W: Pend>(
     main_loop.trimming.note_phase(false);
     let mechanism = main_loop.motion.groups().mechanism();
     main_loop.homed.release(residuals.motors(), mechanism);
-    begin_measuring(main_loop, residuals.motors()).await?;
-    let result = align_each(main_loop, &residuals).await;
-    if !matches!(result, Err(BeltError::Interrupted(_))) {
-        end_measuring(main_loop).await?;
-    }
-    result
-}
-
-async fn align_each<P: PortSet, W: Pend>(
-    main_loop: &mut MainLoop<'_, P, W>,
-    residuals: &Residuals,
-) -> Result<(), BeltError> {
-    for (number, residual) in residuals.iter().enumerate() {
-        let Some(found) = apart(pin!(find_apex(main_loop, number, residual))).await? else { continue };
-        let phase = find_phase(main_loop, residual, found.beside).await?;
-        leave_at(main_loop, number, residual, found, phase).await?;
-    }
-    Ok(())
+    apart(pin!(measure_each(main_loop, &residuals, Work::Align))).await
 }
 
 /// Proves that the belt has the wanted strain. A skip after trimming, or one that spoiled the findings, strains it by
 /// about four full steps. A roller that holds strain back holds another one after homing. The proof relies on no
 /// earlier finding, and both have to agree.
-pub(in crate::machine) async fn measure_again<P: PortSet, W: Pend>(
+pub(in crate::machine) fn measure_again<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     residuals: &Residuals,
+) -> impl Future<Output = Result<(), BeltError>> {
+    measure_each(main_loop, residuals, Work::Prove)
+}
+
+async fn measure_each<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    residuals: &Residuals,
+    work: Work,
 ) -> Result<(), BeltError> {
     begin_measuring(main_loop, residuals.motors()).await?;
-    let result = measure_each_again(main_loop, residuals).await;
+    let mut result = Ok(());
+    for (number, residual) in residuals.iter().enumerate() {
+        result = match work {
+            Work::Align => align_one(main_loop, number, residual).await,
+            Work::Prove => prove_one(main_loop, number, residual).await,
+        };
+        if result.is_err() {
+            break;
+        }
+    }
     if !matches!(result, Err(BeltError::Interrupted(_))) {
         end_measuring(main_loop).await?;
     }
     result
 }
 
-async fn measure_each_again<P: PortSet, W: Pend>(
+async fn align_one<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
-    residuals: &Residuals,
+    number: usize,
+    residual: &Residual,
 ) -> Result<(), BeltError> {
-    let full_step = i32::from(main_loop.settings.drivers.belt.microsteps);
-    for (number, residual) in residuals.iter().enumerate() {
-        let Some((motor, times)) = trimmed(residual) else { continue };
-        let mut scan = Scan::new(main_loop, number, motor, residual);
-        let (middle, arm) = (-preload_of(residual, main_loop.settings.preload_steps()) / times, ARM * full_step);
-        let loads = loads_about(main_loop, &mut scan, middle, arm).await;
-        if !matches!(loads, Err(BeltError::Interrupted(_))) {
-            go_to(main_loop, &mut scan, 0).await?;
-        }
-        let loads @ [left, _, right] = loads?;
-        let slope = slope(loads, arm.into());
-        let contradiction = each_follows(main_loop, loads, arm, slope)?;
-        let slope = slope.ok_or(AlignError::Flat)?;
-        let apex = apex(left, right, slope);
-        if apex.at.abs() > AGREES + contradiction + 3 * whole_root(apex.variance.unsigned_abs()) as i64 {
-            let strain = main_loop.settings.belt_length(thousandths(apex.at * i64::from(-times)));
-            return Err(AlignError::Strained(strain).into());
-        }
-        let within = main_loop.settings.belt_length(thousandths(128 + SURE + contradiction));
-        let per_mm = slope.readings_per_mm(main_loop.settings.axes.x.steps_per_mm.to_num());
-        main_loop.trimming.prove(number, (contradiction > 0).then_some(within), per_mm);
+    let Some(found) = apart(pin!(find_apex(main_loop, number, residual))).await? else { return Ok(()) };
+    let phase = find_phase(main_loop, residual, found.beside).await?;
+    Ok(leave_at(main_loop, number, residual, found, phase).await?)
+}
+
+async fn prove_one<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    number: usize,
+    residual: &Residual,
+) -> Result<(), BeltError> {
+    let Some((motor, times)) = trimmed(residual) else { return Ok(()) };
+    let mut scan = Scan::new(main_loop, number, motor, residual);
+    let middle = -preload_of(residual, main_loop.settings.preload_steps()) / times;
+    let measured = apart(pin!(measure(main_loop, &mut scan, middle, ALL))).await;
+    if !matches!(measured, Err(BeltError::Interrupted(_))) {
+        go_to(main_loop, &mut scan, 0).await?;
     }
+    measured?;
+    let slope = scan.slope();
+    let contradiction = each_follows(main_loop, &scan, slope)?;
+    let slope = slope.ok_or(AlignError::Flat)?;
+    let apex = apex(&scan.loads, slope);
+    if apex.at.abs() > AGREES + contradiction + 3 * error(apex.variance) {
+        let strain = main_loop.settings.belt_length(thousandths(apex.at * i64::from(-times)));
+        return Err(AlignError::Strained(strain).into());
+    }
+    let within = main_loop.settings.belt_length(thousandths(128 + SURE + contradiction));
+    let per_mm = per_mm(slope, &main_loop.settings);
+    main_loop.trimming.prove(number, (contradiction > 0).then_some(within), per_mm);
     Ok(())
+}
+
+/// The fall of a reading for a mm of strain.
+fn per_mm(slope: Slope, settings: &Settings) -> u16 {
+    slope.readings_per_mm(settings.axes.x.steps_per_mm.to_num())
 }
 
 /// Moves the trimmed motor of a residual from the apex to the wanted preload and notes the finding, with the phase if
@@ -273,47 +236,53 @@ async fn climb<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     scan: &mut Scan,
 ) -> Result<ApexFound, BeltError> {
-    let full_step = i32::from(main_loop.settings.drivers.belt.microsteps);
-    let arm = ARM * full_step;
-    let mut middle = 0;
-    let mut loads = loads_about(main_loop, scan, middle, arm).await?;
+    let (mut middle, mut missing) = (0, ALL);
     // Climb until the apex is in the middle.
     loop {
-        let [left, here, right] = loads;
+        apart(pin!(measure(main_loop, scan, middle, missing))).await?;
+        if middle.abs() > MOST_ARMS * scan.arm {
+            return Err(AlignError::TooFar.into());
+        }
+        let [left, here, right] = &mut scan.loads;
         if is_less_loaded(left, here) {
-            middle -= arm;
-            loads = [load_at(main_loop, scan, middle - arm).await?, left, here];
+            middle -= scan.arm;
+            (*right, *here, missing) = (*here, *left, LEFT);
         } else if is_less_loaded(right, here) {
-            middle += arm;
-            loads = [here, right, load_at(main_loop, scan, middle + arm).await?];
+            middle += scan.arm;
+            (*left, *here, missing) = (*here, *right, RIGHT);
         } else {
             break;
         }
-        if middle.abs() > MOST_ARMS * arm {
-            return Err(AlignError::TooFar.into());
-        }
     }
-    let slope = slope(loads, arm.into());
-    if let Some(slope) = slope {
-        tell_of_load(main_loop, scan.number, slope).await?;
+    let slope = scan.slope();
+    // A roller that holds strain back makes the belt stiffer for the motors next to it, and friction hides a part of
+    // the load. So the host is told if a mm of strain takes much more or less of the load than before.
+    let number = scan.number;
+    let now = slope.map_or(0, |slope| per_mm(slope, &main_loop.settings));
+    if slope.is_some()
+        && let Some(before) = main_loop.trimming.other_load(number, now)
+    {
+        main_loop.reply(Answer::Belt(BeltAnswer::Load { number, now, before })).await?;
     }
-    let contradiction = each_follows(main_loop, loads, arm, slope)?;
+    let contradiction = each_follows(main_loop, scan, slope)?;
     let slope = slope.ok_or(AlignError::Flat)?;
-    let [left, _, right] = loads;
     let mut findings = Findings::default();
-    findings.note(middle, apex(left, right, slope));
+    findings.note(middle, apex(&scan.loads, slope));
     let mut about = findings.step();
     findings = Findings::default();
     while findings.count() < ROUNDS.start || findings.bound() > 128 + SURE {
         if findings.count() >= ROUNDS.end {
             return Err(AlignError::Unsure.into());
         }
-        let (left, right) =
-            (load_at(main_loop, scan, about - arm).await?, load_at(main_loop, scan, about + arm).await?);
-        all_have_torque(&[left, right])?;
-        findings.note(about, apex(left, right, slope));
+        apart(pin!(measure(main_loop, scan, about, ARMS))).await?;
+        // Strain takes only a part of the torque near the apex. Far from it, strain may take all of it.
+        let [left, _, right] = &scan.loads;
+        if let Some(motor) = without_torque([left, right]) {
+            return Err(AlignError::AtLimit(motor).into());
+        }
+        findings.note(about, apex(&scan.loads, slope));
         about = findings.step();
-        if findings.spread() > i64::from(full_step) * PARTS / 2 {
+        if findings.spread() > i64::from(scan.arm / ARM) * PARTS / 2 {
             return Err(AlignError::Unsure.into());
         }
     }
@@ -327,116 +296,21 @@ async fn climb<P: PortSet, W: Pend>(
     })
 }
 
-/// Tells the host if a mm of strain takes much more or less of the load than before. A roller that holds
-/// strain back makes the belt stiffer for the motors next to it, and friction hides a part of the load.
-async fn tell_of_load<P: PortSet, W: Pend>(
-    main_loop: &mut MainLoop<'_, P, W>,
-    number: usize,
-    slope: Slope,
-) -> Result<(), Interrupt> {
-    let now = slope.readings_per_mm(main_loop.settings.axes.x.steps_per_mm.to_num());
-    match main_loop.trimming.other_load(number, now) {
-        Some(before) => main_loop.reply(Answer::Belt(BeltAnswer::Load { number, now, before })).await,
-        None => Ok(()),
-    }
-}
-
 /// Refuses a motor that does not follow its field, with the apex in the middle: it moves with the next stroke. Refuses
 /// loads that contradict each other by more than half a full step, at which strain and phase are not known. If other
 /// motors do so without that motor, it is not to blame. Returns the contradiction, in fractions of a step.
 fn each_follows<P: PortSet, W: Pend>(
     main_loop: &MainLoop<'_, P, W>,
-    loads: [Load; 3],
-    arm: i32,
+    scan: &Scan,
     slope: Option<Slope>,
 ) -> Result<i64, AlignError> {
-    let blamed = without_torque(&loads).or_else(|| dragged(loads));
-    let found = slope.map_or(0, |slope| contradiction(loads, arm.into(), slope, blamed));
-    if found > i64::from(arm) * PARTS / 4 {
+    let (loads, arm) = (&scan.loads, i64::from(scan.arm));
+    let blamed = without_torque(loads).or_else(|| dragged(loads));
+    let found = slope.map_or(0, |slope| contradiction(loads, arm, slope, blamed));
+    if found > arm * PARTS / 4 {
         return Err(AlignError::Drags(main_loop.settings.belt_length(thousandths(found))));
     }
     blamed.map_or(Ok(found), |motor| Err(AlignError::AtLimit(motor)))
-}
-
-/// Refuses a motor without torque near the apex, where strain takes only a part of it. Far from the apex, strain may
-/// take all of it.
-fn all_have_torque(loads: &[Load]) -> Result<(), AlignError> {
-    without_torque(loads).map_or(Ok(()), |motor| Err(AlignError::AtLimit(motor)))
-}
-
-/// Turns the trimmed motor to a place, counted from the start of the scan.
-async fn go_to<P: PortSet, W: Pend>(
-    main_loop: &mut MainLoop<'_, P, W>,
-    scan: &mut Scan,
-    place: i32,
-) -> Result<(), Interrupt> {
-    trim(main_loop, scan.motor, place - scan.at).await?;
-    scan.at = place;
-    Ok(())
-}
-
-/// Load of the motors at a trim, and with an arm less and more.
-async fn loads_about<P: PortSet, W: Pend>(
-    main_loop: &mut MainLoop<'_, P, W>,
-    scan: &mut Scan,
-    middle: i32,
-    arm: i32,
-) -> Result<[Load; 3], BeltError> {
-    let left = load_at(main_loop, scan, middle - arm).await?;
-    Ok([left, load_at(main_loop, scan, middle).await?, load_at(main_loop, scan, middle + arm).await?])
-}
-
-/// Load of the motors at this trim, on a stroke along x or y and back.
-async fn load_at<P: PortSet, W: Pend>(
-    main_loop: &mut MainLoop<'_, P, W>,
-    scan: &mut Scan,
-    place: i32,
-) -> Result<Load, BeltError> {
-    go_to(main_loop, scan, place).await?;
-    let [x, y, ..] = main_loop.motion.end_mm();
-    let (at, axis) = if scan.is_along_y { (y, HomedAxis::Y) } else { (x, HomedAxis::X) };
-    let Range { least, most } = main_loop.settings.reach(axis);
-    let length = most.saturating_sub(least);
-    let stroke = STROKE.min(length / 3);
-    let stroke = if at > least.saturating_add(length / 2) { -stroke } else { stroke };
-    let (mut there, mut back) = (Readings::default(), Readings::default());
-    go_along(main_loop, scan, stroke, &mut there).await?;
-    go_along(main_loop, scan, -stroke, &mut back).await?;
-    Ok(load_of_stroke(&there, &back, scan.motors).ok_or(AlignError::TooFewReadings)?)
-}
-
-async fn go_along<P: PortSet, W: Pend>(
-    main_loop: &mut MainLoop<'_, P, W>,
-    scan: &Scan,
-    by: Mm,
-    readings: &mut Readings,
-) -> Result<(), BeltError> {
-    let along = |[x, y, ..]: [Steps; 4]| if scan.is_along_y { y } else { x };
-    let start = along(main_loop.motion.real_steps());
-    let mut position = main_loop.motion.end_mm();
-    let [x, y, ..] = &mut position;
-    let at = if scan.is_along_y { y } else { x };
-    *at = at.saturating_add(by);
-    main_loop.plan(Target { position, speed: SPEED.into(), has_overrides: false, watch: EndstopSet::NONE }).await?;
-    let cruise =
-        along(main_loop.motion.to_steps([RAMP; 4]))..along(main_loop.motion.to_steps([by.saturating_abs() - RAMP; 4]));
-    let mut is_in_cruise = false;
-    while main_loop.motion.has_motion() {
-        main_loop.motion.release_all(&main_loop.settings);
-        for motor in Motor::ALL.into_iter().filter(|motor| scan.motors.has(*motor)) {
-            let reading = main_loop.ask_driver(Job::Load, motor).await?;
-            let reading = reading.map_err(|error: DriverError| {
-                AlignError::Driver(Fault { motor, name: main_loop.settings.name_of(motor), error })
-            })?;
-            let was_in_cruise = is_in_cruise;
-            is_in_cruise = cruise.contains(&along(main_loop.motion.real_steps()).wrapping_sub(start).wrapping_abs());
-            if was_in_cruise && is_in_cruise {
-                reading.loads().into_iter().for_each(|load| readings.note(motor, load.into()));
-            }
-        }
-    }
-    main_loop.finish().await?;
-    Ok(())
 }
 
 /// Whether a printing move needs an alignment first.

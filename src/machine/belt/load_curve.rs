@@ -55,33 +55,30 @@ impl Readings {
 
     /// The motor without torque left, if there is one. If all read 0, their drivers measure nothing.
     fn at_limit(&self, motors: MotorSet) -> Option<Motor> {
-        let is_at_limit = |sum: Sum| sum.count >= LEAST_READINGS && sum.without_torque * AT_LIMIT >= sum.count;
-        let each = || Motor::ALL.into_iter().zip(self.0).filter(|(motor, _)| motors.has(*motor));
-        let first = each().find(|(_, sum)| is_at_limit(*sum)).map(|(motor, _)| motor);
-        first.filter(|_| !each().all(|(_, sum)| is_at_limit(sum)))
+        let (mut first, mut are_all) = (None, true);
+        for motor in motors.iter() {
+            let is_at_limit = self.0.get(motor.index()).is_some_and(Sum::is_at_limit);
+            are_all &= is_at_limit;
+            first = first.or(is_at_limit.then_some(motor));
+        }
+        first.filter(|_| !are_all)
+    }
+}
+
+impl Sum {
+    const fn is_at_limit(&self) -> bool {
+        self.count >= LEAST_READINGS && self.without_torque * AT_LIMIT >= self.count
     }
 
-    /// Load of these motors; `None` if one of them has too few readings.
-    fn load(&self, motors: MotorSet) -> Option<Load> {
-        let mut each = [Mean::default(); MOTORS];
-        let (mut all, mut number) = (Mean::default(), 0);
-        for ((motor, sum), own) in Motor::ALL.into_iter().zip(self.0).zip(&mut each) {
-            if !motors.has(motor) {
-                continue;
-            }
-            if sum.count < LEAST_READINGS {
-                return None;
-            }
-            let (n, total) = (i64::from(sum.count), i64::from(sum.sum));
-            // n times the sum of squared deviations. SG_RESULT is rounded to steps of 2.
-            let spread = (n * i64::from(sum.squares) - total * total).max(0) + n * n / 3;
-            *own = Mean { mean: total * PARTS / n, variance: spread * PARTS * PARTS / (n * n * (n - 1)) };
-            all.mean += own.mean;
-            all.variance += own.variance;
-            number += 1;
+    /// Their mean; `None` if there are too few.
+    fn mean(&self) -> Option<Mean> {
+        if self.count < LEAST_READINGS {
+            return None;
         }
-        let all = || Mean { mean: all.mean / number, variance: all.variance / (number * number) };
-        (number > 0).then(|| Load { all: all(), ways: [all(); 2], each, at_limit: self.at_limit(motors) })
+        let (n, total) = (i64::from(self.count), i64::from(self.sum));
+        // n times the sum of squared deviations. SG_RESULT is rounded to steps of 2.
+        let spread = (n * i64::from(self.squares) - total * total).max(0) + n * n / 3;
+        Some(Mean { mean: total * PARTS / n, variance: spread * PARTS * PARTS / (n * n * (n - 1)) })
     }
 }
 
@@ -95,14 +92,20 @@ struct Mean {
 }
 
 impl Mean {
-    /// Mean of both directions.
-    const fn between(self, other: Self) -> Self {
-        Self { mean: (self.mean + other.mean) / 2, variance: (self.variance + other.variance) / 4 }
+    fn add(&mut self, other: Self) {
+        self.mean += other.mean;
+        self.variance += other.variance;
+    }
+
+    /// A sum of so many means becomes their mean.
+    const fn divide(&mut self, number: i64) {
+        self.mean /= number;
+        self.variance /= number * number;
     }
 }
 
 /// Readings with one trim.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Load {
     /// Over all motors.
     all: Mean,
@@ -114,38 +117,65 @@ pub(super) struct Load {
     at_limit: Option<Motor>,
 }
 
-/// Load of these motors over a stroke and back. Friction adds to the strain of some in one direction and reduces it in
-/// the other, so each direction has its own mean.
-pub(super) fn load_of_stroke(there: &Readings, back: &Readings, motors: MotorSet) -> Option<Load> {
-    let (there, back) = (there.load(motors)?, back.load(motors)?);
-    let mut each = there.each;
-    each.iter_mut().zip(back.each).for_each(|(there, back)| *there = there.between(back));
-    let at_limit = there.at_limit.or(back.at_limit);
-    Some(Load { all: there.all.between(back.all), ways: [there.all, back.all], each, at_limit })
+/// Load of these motors over a stroke and back; `None` if one of them has too few readings. Friction adds to the strain
+/// of some in one direction and reduces it in the other, so each direction has its own mean.
+pub(super) fn load_of_stroke(there_and_back: &[Readings; 2], motors: MotorSet) -> Option<Load> {
+    let mut load = Load::default();
+    for (readings, way) in there_and_back.iter().zip(&mut load.ways) {
+        let mut number = 0;
+        for motor in motors.iter() {
+            let (sum, own) = (readings.0.get(motor.index())?, load.each.get_mut(motor.index())?);
+            let mean = sum.mean()?;
+            own.add(mean);
+            way.add(mean);
+            number += 1;
+        }
+        way.divide(number.max(1));
+        load.all.add(*way);
+        load.at_limit = load.at_limit.or(readings.at_limit(motors));
+    }
+    load.each.iter_mut().for_each(|own| own.divide(2));
+    load.all.divide(2);
+    (!motors.is_empty()).then_some(load)
+}
+
+/// Left, middle and right of the curve of a motor, or of all motors.
+fn curve([left, middle, right]: &[Load; 3], motor: Option<usize>) -> [&Mean; 3] {
+    [of_motor(left, motor), of_motor(middle, motor), of_motor(right, motor)]
+}
+
+fn of_motor(load: &Load, motor: Option<usize>) -> &Mean {
+    motor.and_then(|motor| load.each.get(motor)).unwrap_or(&load.all)
 }
 
 /// Twice the height of the curve's middle above its arms, where the arms meet, and its variance.
-fn rise([left, middle, right]: [Mean; 3]) -> Mean {
+fn rise([left, middle, right]: [&Mean; 3]) -> Mean {
     Mean {
         mean: 2 * middle.mean - left.mean - right.mean + (right.mean - left.mean).abs(),
         variance: 4 * middle.variance + 2 * left.variance + 2 * right.variance,
     }
 }
 
+/// The greatest rise of a motor.
+fn greatest_rise(loads: &[Load; 3]) -> i64 {
+    (0..MOTORS).fold(i64::MIN, |most, motor| most.max(rise(curve(loads, Some(motor))).mean))
+}
+
 /// The motor without torque left on one of these strokes. The mean hides it: the three others show where the load is
 /// least, and this motor moves with the next stroke.
-pub(super) fn without_torque(loads: &[Load]) -> Option<Motor> {
-    loads.iter().find_map(|load| load.at_limit)
+pub(super) fn without_torque<'a>(loads: impl IntoIterator<Item = &'a Load>) -> Option<Motor> {
+    loads.into_iter().find_map(|load| load.at_limit)
 }
 
 /// The motor with an inverted curve. If friction exceeds its holding torque, the belt drags it, and it skips a turn at
 /// each reversal. Strain by the others then relieves it. With less friction its load is equal everywhere, or less in
 /// the middle. An inverted curve falls as much as the other curves rise; a quarter of that is enough.
-pub(super) fn dragged(loads: [Load; 3]) -> Option<Motor> {
-    let own = |index: usize| rise(loads.map(|load| load.each.get(index).copied().unwrap_or_default()));
-    let most = (0..MOTORS).map(|index| own(index).mean).max().unwrap_or_default();
-    let is_dragged = |Mean { mean, variance }: Mean| mean < 0 && -4 * mean > most && mean * mean > 36 * variance;
-    Motor::ALL.into_iter().enumerate().find(|(index, _)| is_dragged(own(*index))).map(|(_, motor)| motor)
+pub(super) fn dragged(loads: &[Load; 3]) -> Option<Motor> {
+    let most = greatest_rise(loads);
+    Motor::ALL.into_iter().find(|motor| {
+        let Mean { mean, variance } = rise(curve(loads, Some(motor.index())));
+        mean < 0 && -4 * mean > most && mean * mean > 36 * variance
+    })
 }
 
 /// Place of the apex, in fractions of a step.
@@ -168,14 +198,14 @@ impl Slope {
 }
 
 /// Whether `a` has less load than `b` beyond chance: three times the standard error.
-pub(super) fn is_less_loaded(a: Load, b: Load) -> bool {
+pub(super) const fn is_less_loaded(a: &Load, b: &Load) -> bool {
     let difference = a.all.mean - b.all.mean;
     difference > 0 && difference * difference > 9 * (a.all.variance + b.all.variance)
 }
 
 /// Slope of the arms, `arm` steps to either side; `None` if it does not differ from 0 twice as surely as an apex needs.
-pub(super) fn slope(loads: [Load; 3], arm: i64) -> Option<Slope> {
-    let Mean { mean: rise, variance } = rise(loads.map(|load| load.all));
+pub(super) fn slope(loads: &[Load; 3], arm: i64) -> Option<Slope> {
+    let Mean { mean: rise, variance } = rise(curve(loads, None));
     let slope = rise / (2 * arm.max(1));
     (rise > 0 && slope > 0 && rise * rise > 36 * variance).then_some(Slope(slope))
 }
@@ -185,46 +215,41 @@ pub(super) fn slope(loads: [Load; 3], arm: i64) -> Option<Slope> {
 /// does not turn holds strain back on one side of it, and a motor that rubs hides a part of it. The mean of all has an
 /// apex all the same. What chance may explain (four standard errors) counts as nothing. With a motor to leave out, only
 /// the other motors are compared: it may be the one that rubs.
-pub(super) fn contradiction(
-    [left, middle, right]: [Load; 3],
-    arm: i64,
-    Slope(slope): Slope,
-    without: Option<Motor>,
-) -> i64 {
-    let tilts = [0, 1].map(|way| {
-        let [left, right] = [left, right].map(|load| load.ways.get(way).copied().unwrap_or_default());
-        Mean { mean: right.mean - left.mean, variance: left.variance + right.variance }
-    });
-    let [there, back] = tilts;
-    let by_way = (there.mean - back.mean).abs();
-    let is_by_way = by_way * by_way > 16 * (there.variance + back.variance);
-    let of_ways = if is_by_way && without.is_none() { by_way * PARTS / (4 * slope) } else { 0 };
-    let each =
-        || left.each.into_iter().zip(middle.each).zip(right.each).map(|((left, middle), right)| [left, middle, right]);
-    let most = each().map(|own| rise(own).mean).max().unwrap_or_default();
+pub(super) fn contradiction(loads: &[Load; 3], arm: i64, Slope(slope): Slope, without: Option<Motor>) -> i64 {
+    let [left, _, right] = loads;
+    let mut by_way = Mean::default();
+    for (sign, (left, right)) in [1, -1].into_iter().zip(left.ways.iter().zip(&right.ways)) {
+        by_way.add(Mean { mean: sign * (right.mean - left.mean), variance: left.variance + right.variance });
+    }
+    let is_by_way = by_way.mean * by_way.mean > 16 * by_way.variance;
+    let mut found = if is_by_way && without.is_none() { by_way.mean.abs() * PARTS / (4 * slope) } else { 0 };
+    let most = greatest_rise(loads);
     let common = (right.all.mean - left.all.mean) * PARTS / (2 * slope);
-    let of_motor = |own @ [left, middle, right]: [Mean; 3]| {
+    for motor in Motor::ALL {
+        let own = curve(loads, Some(motor.index()));
+        let [left, middle, right] = own;
+        if Some(motor) == without || middle.mean == 0 && left.mean == 0 && right.mean == 0 {
+            continue;
+        }
         let height = rise(own).mean;
-        if middle.mean == 0 && left.mean == 0 && right.mean == 0 {
-            return 0;
-        }
         // Its load hardly changes. Friction is what it follows then: by half a full step its rotor may lag at rest.
-        if 4 * height < most {
-            return arm * PARTS / 4;
-        }
-        let apart = ((right.mean - left.mean) * arm * PARTS / height.max(1) - common).abs();
-        let chance =
-            whole_root((16 * (left.variance + right.variance)).unsigned_abs()) as i64 * arm * PARTS / height.max(1);
-        // Friction rounds the tip, which moves an apex between the middle and an arm by up to a third of a full step.
-        if apart > chance + arm * PARTS / 6 { apart } else { 0 }
-    };
-    let left_out = without.map(Motor::index);
-    let others = each().enumerate().filter(|(index, _)| Some(*index) != left_out).map(|(_, own)| of_motor(own));
-    others.max().unwrap_or_default().max(of_ways)
+        let of_motor = if 4 * height < most {
+            arm * PARTS / 4
+        } else {
+            let (arm, height) = (arm * PARTS, height.max(1));
+            let apart = ((right.mean - left.mean) * arm / height - common).abs();
+            let chance = error(16 * (left.variance + right.variance)) * arm / height;
+            // Friction rounds the tip, which moves an apex between the middle and an arm by up to a third of a full
+            // step.
+            if apart > chance + arm / 6 { apart } else { 0 }
+        };
+        found = found.max(of_motor);
+    }
+    found
 }
 
 /// Where arms of this slope meet.
-pub(super) fn apex(left: Load, right: Load, Slope(slope): Slope) -> Apex {
+pub(super) const fn apex([left, _, right]: &[Load; 3], Slope(slope): Slope) -> Apex {
     let (left, right) = (left.all, right.all);
     let at = (right.mean - left.mean) * PARTS / (2 * slope);
     Apex { at, variance: (left.variance + right.variance) * PARTS * PARTS / (4 * slope * slope) }
@@ -274,8 +299,14 @@ impl Findings {
     /// Bound of their mean's distance from that step, in fractions of a step: the distance plus three standard errors.
     pub fn bound(&self) -> i64 {
         let count = self.count.max(1);
-        self.beside().abs() + 3 * whole_root((self.variance / (count * count)).unsigned_abs()) as i64 + 1
+        self.beside().abs() + 3 * error(self.variance / (count * count)) + 1
     }
+}
+
+/// The standard error of a mean with this variance.
+#[inline(never)]
+pub(super) const fn error(variance: i64) -> i64 {
+    whole_root(variance.unsigned_abs()) as i64
 }
 
 /// Fractions as thousandths of a step.
@@ -302,9 +333,9 @@ mod tests {
     fn the_apex_is_where_both_arms_say() {
         for apex_at in -20..=20 {
             let arms = [at(-32, apex_at), at(0, apex_at), at(32, apex_at)];
-            let slope = slope(arms, 32).unwrap();
+            let slope = slope(&arms, 32).unwrap();
             assert_eq!((slope, slope.readings_per_mm(80)), (Slope(2 * PARTS), 160));
-            let found = apex(arms[0], arms[2], slope);
+            let found = apex(&arms, slope);
             assert_eq!(found.at, apex_at * PARTS);
             // Two readings with a standard error of 1/16 each, over twice a slope of 2.
             assert_eq!(found.variance, 2 * PARTS * PARTS * PARTS / (4 * 4 * PARTS * PARTS));
@@ -315,17 +346,17 @@ mod tests {
     fn an_apex_beside_the_arms_is_as_far_as_they_reach() {
         for apex_at in [-64, -40, 40, 64] {
             let arms = [at(-32, apex_at), at(0, apex_at), at(32, apex_at)];
-            let found = apex(arms[0], arms[2], slope(arms, 32).unwrap());
+            let found = apex(&arms, slope(&arms, 32).unwrap());
             assert_eq!(found.at, 32 * PARTS * apex_at.signum());
         }
     }
 
     #[test]
     fn flat_and_inverted_curves_have_no_slope() {
-        assert_eq!(slope([load(300); 3], 32), None);
-        assert_eq!(slope([load(300), load(200), load(300)], 32), None);
+        assert_eq!(slope(&[load(300); 3], 32), None);
+        assert_eq!(slope(&[load(300), load(200), load(300)], 32), None);
         // One reading more than the others, when each is accurate to a sixteenth.
-        assert!(slope([load(300), load(320), load(300)], 32).is_some());
+        assert!(slope(&[load(300), load(320), load(300)], 32).is_some());
     }
 
     #[test]
@@ -335,18 +366,19 @@ mod tests {
         for n in 0..100 {
             readings.note(prototype::M1, 300 + n % 2 * 2);
         }
-        assert_eq!(readings.load(both), None);
-        let one = readings.load(MotorSet::of(prototype::M1)).unwrap();
+        assert_eq!(load_of_stroke(&[readings; 2], both), None);
+        let one = load_of_stroke(&[readings; 2], MotorSet::of(prototype::M1)).unwrap();
         assert_eq!(one.all.mean, 301 * PARTS);
         for _ in 0..100 {
             readings.note(prototype::M4, 200);
         }
-        let two = readings.load(both).unwrap();
+        let two = load_of_stroke(&[readings; 2], both).unwrap();
         assert_eq!(two.all.mean, (301 + 200) * PARTS / 2);
         // Variance of a square of 1 plus the third from rounding, over 99 readings, for two motors if only one changes.
         let expected = (PARTS * PARTS * 4 / 3 / 99 + PARTS * PARTS / 3 / 99) / 4;
-        assert!((two.all.variance - expected).abs() <= 2, "{} {expected}", two.all.variance);
-        assert!(!is_less_loaded(two, two) && is_less_loaded(one, two) && !is_less_loaded(two, one));
+        let [variance, _] = two.ways.map(|way| way.variance);
+        assert!((variance - expected).abs() <= 2, "{variance} {expected}");
+        assert!(!is_less_loaded(&two, &two) && is_less_loaded(&one, &two) && !is_less_loaded(&two, &one));
     }
 
     #[test]
@@ -362,7 +394,7 @@ mod tests {
         assert_eq!(read(40).at_limit(MotorSet::of(prototype::M1)), None);
         // With one motor alone, or with all of them, the driver measures nothing.
         assert_eq!(read(40).at_limit(MotorSet::of(prototype::M4)), None);
-        let stroke = load_of_stroke(&read(0), &read(40), motors);
+        let stroke = load_of_stroke(&[read(0), read(40)], motors);
         assert_eq!(stroke.and_then(|load| load.at_limit), Some(prototype::M4));
         // A few readings are not enough.
         let mut readings = Readings::default();
@@ -386,7 +418,7 @@ mod tests {
                 readings.note(prototype::M4, others + n % 7);
                 readings.note(prototype::M8, others + n % 3);
             }
-            load_of_stroke(&readings, &readings, motors).unwrap()
+            load_of_stroke(&[readings, readings], motors).unwrap()
         };
         for (newtons, arms, middle, expected) in [
             (0, (330, 330), (390, 390), None),
@@ -397,9 +429,9 @@ mod tests {
             (95, (101, 90), (39, 154), Some(prototype::M1)),
         ] {
             let [arm, middle] = [arms, middle].map(|(own, others)| stroke(own, others));
-            assert_eq!(dragged([arm, middle, arm]), expected, "{newtons}");
+            assert_eq!(dragged(&[arm, middle, arm]), expected, "{newtons}");
             // The mean shows nothing.
-            assert!(slope([arm, middle, arm], 32).is_some(), "{newtons}");
+            assert!(slope(&[arm, middle, arm], 32).is_some(), "{newtons}");
         }
     }
 
@@ -411,10 +443,10 @@ mod tests {
             (0..50_u32).for_each(|n| readings.note(prototype::M1, reading + n % 2 * 2));
             readings
         };
-        let same = load_of_stroke(&of(300), &of(300), motor).unwrap();
-        let unlike = load_of_stroke(&of(290), &of(310), motor).unwrap();
+        let same = load_of_stroke(&[of(300); 2], motor).unwrap();
+        let unlike = load_of_stroke(&[of(290), of(310)], motor).unwrap();
         assert_eq!((same.all, same.each), (unlike.all, unlike.each));
-        assert_eq!(load_of_stroke(&of(300), &Readings::default(), motor), None);
+        assert_eq!(load_of_stroke(&[of(300), Readings::default()], motor), None);
     }
 
     /// Readings of four motors left, in the middle and right, as the belt's twin makes them; the same both ways, or
@@ -429,7 +461,7 @@ mod tests {
             }
             readings
         });
-        load_of_stroke(&there, &back, all).unwrap()
+        load_of_stroke(&[there, back], all).unwrap()
     }
 
     #[test]
@@ -437,7 +469,7 @@ mod tests {
         const ARM: i64 = 32;
         let of = |rows: [[u32; 4]; 3], tilts: [u32; 3]| {
             let loads = [0, 1, 2].map(|place| stroke_of_four(rows[place], tilts[place]));
-            contradiction(loads, ARM, slope(loads, ARM).unwrap(), None)
+            contradiction(&loads, ARM, slope(&loads, ARM).unwrap(), None)
         };
         let sound = [[329, 328, 329, 328], [388; 4], [327, 329, 329, 329]];
         assert_eq!(of(sound, [0; 3]), 0);
@@ -454,7 +486,7 @@ mod tests {
         // Without motor 11 the others contradict each other all the same.
         let rows = [[179, 277, 373, 0], [304, 336, 369, 0], [110, 209, 312, 0]];
         let loads = rows.map(|row| stroke_of_four(row, 0));
-        assert!(contradiction(loads, ARM, slope(loads, ARM).unwrap(), Some(prototype::M11)) > 8 * PARTS);
+        assert!(contradiction(&loads, ARM, slope(&loads, ARM).unwrap(), Some(prototype::M11)) > 8 * PARTS);
         // A motor that rubs with 50 N: its own load hardly changes.
         let rubs = of([[99, 330, 332, 329], [101, 377, 377, 381], [101, 330, 331, 331]], [0; 3]);
         assert_eq!(rubs, 8 * PARTS);

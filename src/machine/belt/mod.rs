@@ -30,6 +30,7 @@
 //! | [`circulate`] | the belt runs round |
 //! | `main_loop::trim` | one motor is turned alone |
 //! | [`load_curve`] | the least load, from the drivers' measurements |
+//! | [`scan`] | these measurements, with a motor at several trims |
 //! | [`align`] | motors are aligned |
 //! | `main_loop::phase` | motors are aligned as they get power, by their drivers' sine tables |
 //! | [`diagnosis`] | which motor has skipped |
@@ -42,3 +43,4 @@ pub(in crate::machine) mod circulate;
 pub(in crate::machine) mod diagnosis;
 pub(in crate::machine) mod load_curve;
 pub(in crate::machine) mod report;
+mod scan;
