@@ -148,7 +148,7 @@ const WITHIN_MACHINE: [(&str, &[&str]); 15] = [
     ("reports", &["answers", "numbers", "state"]),
     ("main_loop", &["answers", "apart", "hosts", "interrupt", "numbers", "ports", "release", "reports", "state"]),
     ("belt", &["answers", "apart", "main_loop", "interrupt", "ports", "state"]),
-    ("probe", &["answers", "main_loop", "interrupt", "ports", "state"]),
+    ("probe", &["answers", "apart", "main_loop", "interrupt", "ports", "state"]),
     ("resonance", &["answers", "apart", "main_loop", "interrupt", "ports", "state"]),
     (
         "commands",

@@ -22,11 +22,10 @@ pub(super) async fn approach<P: PortSet, W: Pend>(
     Ok(has_met)
 }
 
-/// Raises the nozzle to `z`, unless it is higher already, as far as the axis goes.
-pub(super) async fn raise_to<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, z: Mm) -> Result<(), Interrupt> {
+/// Distance up to `z`, as far as the axis goes; negative if the nozzle is higher already.
+pub(super) fn up_to<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, z: Mm) -> Mm {
     let [_, _, at, _] = main_loop.motion.end_mm();
-    let top = z_reach(main_loop).most;
-    raise_by(main_loop, z.min(top).saturating_sub(at)).await
+    z.min(z_reach(main_loop).most).saturating_sub(at)
 }
 
 /// Raises the nozzle by a distance; it does not go down.
@@ -49,16 +48,4 @@ pub(super) async fn travel<P: PortSet, W: Pend>(
     let speed = main_loop.settings.probe.travel;
     main_loop.plan(Target { position, speed: speed.into(), has_overrides: false, watch: EndstopSet::NONE }).await?;
     main_loop.finish().await
-}
-
-/// Whether the probe reads as triggered now.
-pub(super) async fn is_triggered<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<bool, Interrupt> {
-    let before = main_loop.status.stepper_beat();
-    main_loop.motion.look_at_endstops();
-    main_loop.poll().await?;
-    // In a simulation the main loop may go round before the Stepper has its turn.
-    while main_loop.status.stepper_beat() == before {
-        main_loop.poll().await?;
-    }
-    Ok(main_loop.status.endstops().has(EndstopSet::PROBE))
 }

@@ -4,13 +4,12 @@
 //! after it was put out or taken in it must not. Then it is reset. Nothing asks it at the start, so a pin that rests on
 //! the bed stops no machine.
 
-use super::approach::is_triggered;
-use super::error::ProbeError;
+use super::error::failed;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::job::ProbeFailure;
-use crate::port::Pend;
+use crate::port::{EndstopSet, Pend};
 use crate::settings::ProbeKind;
 
 /// An order to a BLTouch: the length of the pulses in us, and the ms until it is obeyed (Marlin, `bltouch.h`).
@@ -24,46 +23,44 @@ const RESET: Order = Order(2194, 500);
 const STOW_TRIES: usize = 3;
 
 /// Puts the probe out, if it is not. One without a servo is always out.
-pub(super) async fn put_out<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), ProbeError> {
+pub(super) async fn put_out<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
     let was_out = main_loop.probing.is_out();
     // Before the order: whatever ends it has the probe taken in.
     main_loop.probing.note_out(true);
-    if is_bltouch(main_loop) && !was_out {
-        order(main_loop, DEPLOY).await?;
-        if is_triggered(main_loop).await? {
-            for again in [RESET, STOW, DEPLOY] {
-                order(main_loop, again).await?;
-            }
-        }
+    let mut orders: &[Order] = &[];
+    if is_bltouch(main_loop) && !was_out && is_triggered_after(main_loop, &[DEPLOY]).await? {
+        orders = &[RESET, STOW, DEPLOY];
     }
-    if is_triggered(main_loop).await? { Err(ProbeFailure::Triggered.into()) } else { Ok(()) }
+    if is_triggered_after(main_loop, orders).await? {
+        return Err(failed(main_loop, ProbeFailure::Triggered));
+    }
+    Ok(())
 }
 
 /// Takes it in: it reads as not triggered then, or its pin may still be out.
-pub(super) async fn take_in<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), ProbeError> {
+pub(super) async fn take_in<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
     main_loop.probing.note_out(false);
     if !is_bltouch(main_loop) {
         return Ok(());
     }
-    order(main_loop, STOW).await?;
-    for _ in 0..STOW_TRIES {
-        if !is_triggered(main_loop).await? {
+    let mut orders: &[Order] = &[STOW];
+    for _ in 0..=STOW_TRIES {
+        if !is_triggered_after(main_loop, orders).await? {
             return Ok(());
         }
-        order(main_loop, RESET).await?;
-        order(main_loop, STOW).await?;
+        orders = &[RESET, STOW];
     }
-    if is_triggered(main_loop).await? { Err(ProbeFailure::NotTakenIn.into()) } else { Ok(()) }
+    Err(failed(main_loop, ProbeFailure::NotTakenIn))
 }
 
-/// The probe has touched: the pin of a BLTouch goes in by itself. Between touches it is told so too, unless that takes
-/// too long for the user.
-pub(super) async fn after_touch<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), ProbeError> {
-    if !is_bltouch(main_loop) {
-        return Ok(());
+/// Whether the probe, which has touched, is to be taken in: the pin of a BLTouch goes in by itself. Between touches it
+/// is told so too, unless that takes too long for the user.
+pub(super) fn goes_in_by_itself<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> bool {
+    let goes_in = is_bltouch(main_loop);
+    if goes_in {
+        main_loop.probing.note_out(false);
     }
-    main_loop.probing.note_out(false);
-    if main_loop.probing.is_quick() { Ok(()) } else { take_in(main_loop).await }
+    goes_in && !main_loop.probing.is_quick()
 }
 
 /// Has the probe go in, without waiting for it: a command that had put it out was ended.
@@ -86,10 +83,29 @@ fn is_bltouch<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>) -> bool {
     main_loop.settings.probe.kind == ProbeKind::BlTouch
 }
 
-async fn order<P: PortSet, W: Pend>(
+/// Whether the probe reads as triggered now.
+pub(super) fn is_triggered<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
-    Order(micros, ms): Order,
-) -> Result<(), Interrupt> {
-    set_servo(main_loop, Some(micros));
-    main_loop.settle(main_loop.now().after_ms(ms)).await
+) -> impl Future<Output = Result<bool, Interrupt>> {
+    is_triggered_after(main_loop, &[])
+}
+
+/// Gives orders. Whether the probe reads as triggered then.
+async fn is_triggered_after<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    orders: &'static [Order],
+) -> Result<bool, Interrupt> {
+    for Order(micros, ms) in orders {
+        set_servo(main_loop, Some(*micros));
+        main_loop.settle(main_loop.now().after_ms(*ms)).await?;
+    }
+    let before = main_loop.status.stepper_beat();
+    main_loop.motion.look_at_endstops();
+    loop {
+        main_loop.poll().await?;
+        // In a simulation the main loop may go round before the Stepper has its turn.
+        if main_loop.status.stepper_beat() != before {
+            return Ok(main_loop.status.endstops().has(EndstopSet::PROBE));
+        }
+    }
 }

@@ -1,25 +1,14 @@
 //! Why a touch has no result.
 
 use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
+use crate::machine::ports::PortSet;
 use crate::machine::state::job::ProbeFailure;
+use crate::port::Pend;
 
-/// Why a touch has no result.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum ProbeError {
-    /// The probe did not do as it should.
-    Failed(ProbeFailure),
-    /// Something else ended it.
-    Interrupted(Interrupt),
-}
-
-impl From<ProbeFailure> for ProbeError {
-    fn from(failure: ProbeFailure) -> Self {
-        Self::Failed(failure)
-    }
-}
-
-impl From<Interrupt> for ProbeError {
-    fn from(interrupt: Interrupt) -> Self {
-        Self::Interrupted(interrupt)
-    }
+/// The probe did not do as it should: notes why, and ends the touch. Whoever asked for it gets no other result.
+#[inline(never)]
+pub(super) fn failed<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, why: ProbeFailure) -> Interrupt {
+    main_loop.probing.note_failure(why);
+    Interrupt::EndJob
 }

@@ -9,10 +9,11 @@
 //!
 //! Every function that another room calls ends a touch that failed: the probe is taken in, and the job ends.
 
-use super::approach::{approach, is_triggered, raise_by, raise_to, travel};
-use super::deploy::{after_touch, put_out, take_in, take_in_at_once};
-use super::error::ProbeError;
+use super::approach::{approach, raise_by, travel, up_to};
+use super::deploy::{goes_in_by_itself, is_triggered, put_out, take_in, take_in_at_once};
+use super::error::failed;
 use super::reach::nozzle_for;
+use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::surface::leave_surface;
@@ -22,6 +23,7 @@ use crate::machine::state::job::{JobEnd, ProbeFailure};
 use crate::port::Pend;
 use crate::settings::{HomedAxis, Probe};
 use crate::units::{Mm, MmPerSec, Seconds};
+use core::pin::pin;
 
 /// A touch this far above the bed is none: something else has met the probe (Marlin's `Z_PROBE_ERROR_TOLERANCE`,
 /// Configuration_adv.h 2.1).
@@ -43,51 +45,52 @@ pub(in crate::machine) enum AfterTouch {
     In,
 }
 
+/// Work of the probe.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Work {
+    /// The height by a fast touch and those that count.
+    Measure,
+    /// A fast touch alone.
+    Find,
+    /// One slow touch where the bed was found.
+    TouchAgain,
+    /// The height where z is to be homed.
+    FindZero,
+    /// Putting the probe out, or taking it in, above a bed that is known.
+    Set,
+}
+
 /// The height of the bed below the probe, which goes `at` a place first if there is one. All axes are homed. If it
 /// fails, the tool is raised, the probe taken in, and the job ends.
-pub(in crate::machine) async fn touch_bed<P: PortSet, W: Pend>(
+pub(in crate::machine) fn touch_bed<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     at: Option<[Mm; 2]>,
     end: AfterTouch,
-) -> Result<Mm, Interrupt> {
-    let height = height_at(main_loop, at).await;
-    conclude(main_loop, height, end).await
+) -> impl Future<Output = Result<Mm, Interrupt>> {
+    conclude(main_loop, Work::Measure, at, end)
 }
 
 /// Finds the bed at a place by the fast touch alone; the probe stays out.
-pub(in crate::machine) async fn find_bed<P: PortSet, W: Pend>(
+pub(in crate::machine) fn find_bed<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     at: Option<[Mm; 2]>,
-) -> Result<(), Interrupt> {
-    let floor = seek(main_loop, at).await;
-    conclude(main_loop, floor, AfterTouch::Out).await.map(|_| ())
+) -> impl Future<Output = Result<Mm, Interrupt>> {
+    conclude(main_loop, Work::Find, at, AfterTouch::Out)
 }
 
 /// The height by one slow touch where the bed was found; the probe stays out.
-pub(in crate::machine) async fn touch_again<P: PortSet, W: Pend>(
+pub(in crate::machine) fn touch_again<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
-) -> Result<Mm, Interrupt> {
-    let probe = main_loop.first_layer.probe(&main_loop.settings);
-    let height = touch_once(main_loop, &probe, probe.slow).await.map(|z| height_of(&probe, z));
-    conclude(main_loop, height, AfterTouch::Out).await
+) -> impl Future<Output = Result<Mm, Interrupt>> {
+    conclude(main_loop, Work::TouchAgain, None, AfterTouch::Out)
 }
 
-/// Puts the probe out by itself (M401), or takes it in (M402).
-pub(in crate::machine) async fn set_out<P: PortSet, W: Pend>(
+/// Puts the probe out by itself (M401), or takes it in (M402). The result says nothing.
+pub(in crate::machine) fn set_out<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     end: AfterTouch,
-) -> Result<(), Interrupt> {
-    let is_set = async {
-        if let [.., true] = main_loop.homed.axes() {
-            rise(main_loop, main_loop.settings.probe.deploy_clearance).await?;
-        }
-        if end == AfterTouch::Out {
-            put_out(main_loop).await?;
-        }
-        Ok(Mm::ZERO)
-    };
-    let is_set = is_set.await;
-    conclude(main_loop, is_set, end).await.map(|_| ())
+) -> impl Future<Output = Result<Mm, Interrupt>> {
+    conclude(main_loop, Work::Set, None, end)
 }
 
 /// Finds the bed where z is to be homed, and returns z of the nozzle as it is then. X and y are homed; z is not, so
@@ -95,8 +98,8 @@ pub(in crate::machine) async fn set_out<P: PortSet, W: Pend>(
 pub(in crate::machine) async fn find_zero<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<Mm, Interrupt> {
-    let height = zero(main_loop).await;
-    let height = conclude(main_loop, height, AfterTouch::In).await?;
+    let home = main_loop.settings.probe_home();
+    let height = conclude(main_loop, Work::FindZero, Some(home), AfterTouch::In).await?;
     let [.., z, _] = main_loop.motion.end_mm();
     Ok(z.saturating_sub(height))
 }
@@ -121,31 +124,29 @@ pub(in crate::machine) async fn end_touch<P: PortSet, W: Pend>(
     }
 }
 
-/// Ends a touch, with its result or for a reason. An interrupt leaves the tool and the probe to [`end_touch`].
+/// Does such work and ends it, with its result or for a reason. An interrupt leaves the tool and the probe to
+/// [`end_touch`].
 async fn conclude<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
-    mut result: Result<Mm, ProbeError>,
+    work: Work,
+    at: Option<[Mm; 2]>,
     end: AfterTouch,
 ) -> Result<Mm, Interrupt> {
-    if let Err(ProbeError::Interrupted(interrupt)) = result {
-        return Err(interrupt);
+    let mut result = apart(pin!(carry_out(main_loop, work, at, end))).await;
+    if result.is_err() && !main_loop.probing.has_failed() {
+        return result;
     }
     main_loop.probing.take_touch();
     let is_over = end == AfterTouch::In || result.is_err();
     main_loop.probing.note_series(!is_over);
-    if is_over {
-        let taken_in = take_in(main_loop).await;
-        result = result.and_then(|height| taken_in.map(|()| height));
+    if is_over && let Err(interrupt) = take_in(main_loop).await {
+        result = result.and(Err(interrupt));
     }
     main_loop.commanded.stand_at(main_loop.motion.end_mm());
-    match result {
-        Ok(height) => Ok(height),
-        Err(ProbeError::Interrupted(interrupt)) => Err(interrupt),
-        Err(ProbeError::Failed(why)) => {
-            give_up(main_loop, why);
-            Err(Interrupt::EndJob)
-        }
+    if let Some(why) = main_loop.probing.take_failure() {
+        give_up(main_loop, why);
     }
+    result
 }
 
 /// A nozzle that has gone to the floor may have pressed the bed: z may have skipped steps.
@@ -184,75 +185,76 @@ pub(in crate::machine) fn clear_of_bed<P: PortSet, W: Pend>(
     expected(main_loop).map(|z| height_of(probe, z).saturating_add(probe.nozzle_at(clearance)))
 }
 
-/// Raises the tool to such a clearance, where the bed is known.
-async fn rise<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, clearance: Mm) -> Result<(), Interrupt> {
-    match clear_of_bed(main_loop, clearance) {
-        Some(z) => raise_to(main_loop, z).await,
-        None => Ok(()),
-    }
-}
-
-/// The height at a place, found with the probe out. The tool ends above the bed.
-async fn height_at<P: PortSet, W: Pend>(
+/// Raises the tool, takes the probe over a place where it can touch, and touches the bed. The tool ends above it.
+async fn carry_out<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
+    work: Work,
     at: Option<[Mm; 2]>,
-) -> Result<Mm, ProbeError> {
-    seek(main_loop, at).await?;
-    let probe = main_loop.first_layer.probe(&main_loop.settings);
-    mean_of_touches(main_loop, &probe).await
-}
-
-/// Goes over a place, and touches the bed fast.
-async fn seek<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, at: Option<[Mm; 2]>) -> Result<Mm, ProbeError> {
-    main_loop.finish().await?;
-    leave_surface(main_loop).await?;
-    let probe = main_loop.first_layer.probe(&main_loop.settings);
-    let clearance = if main_loop.probing.is_in_series() { probe.clearance } else { probe.deploy_clearance };
-    rise(main_loop, clearance).await?;
-    if let Some(at) = at {
-        go_over(main_loop, at).await?;
+    end: AfterTouch,
+) -> Result<Mm, Interrupt> {
+    let is_from_afar = matches!(work, Work::Measure | Work::Find);
+    if is_from_afar {
+        main_loop.finish().await?;
+        leave_surface(main_loop).await?;
     }
-    find(main_loop, &probe).await
-}
-
-/// Takes the probe over a place, where it can touch.
-async fn go_over<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, at: [Mm; 2]) -> Result<(), ProbeError> {
-    let nozzle = nozzle_for(&main_loop.settings, at).map_err(|_| ProbeFailure::OutOfReach { at })?;
-    Ok(travel(main_loop, nozzle).await?)
+    let mut probe = if work == Work::FindZero {
+        main_loop.settings.probe_in_program()
+    } else {
+        main_loop.first_layer.probe(&main_loop.settings)
+    };
+    let [.., is_homed] = main_loop.homed.axes();
+    if is_from_afar || work == Work::Set && is_homed {
+        let is_in_series = is_from_afar && main_loop.probing.is_in_series();
+        let clearance = if is_in_series { probe.clearance } else { probe.deploy_clearance };
+        let by = clear_of_bed(main_loop, clearance).map_or(Mm::ZERO, |z| up_to(main_loop, z));
+        raise_by(main_loop, by).await?;
+    }
+    if let Some(at) = at {
+        let Ok(nozzle) = nozzle_for(&main_loop.settings, at) else {
+            return Err(failed(main_loop, ProbeFailure::OutOfReach { at }));
+        };
+        travel(main_loop, nozzle).await?;
+    }
+    match work {
+        Work::Set if end == AfterTouch::Out => put_out(main_loop).await?,
+        Work::Set => {}
+        Work::Measure | Work::Find | Work::FindZero => {
+            let height = find(main_loop, &probe).await?;
+            if work == Work::Find {
+                return Ok(height);
+            }
+        }
+        Work::TouchAgain => probe.samples = 1,
+    }
+    if work == Work::Set { Ok(Mm::ZERO) } else { mean_of_touches(main_loop, &probe).await }
 }
 
 /// Touches the bed fast below the tool. A touch far above a bed that is known is tried again.
-async fn find<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, probe: &Probe) -> Result<Mm, ProbeError> {
+async fn find<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, probe: &Probe) -> Result<Mm, Interrupt> {
     let bed = expected(main_loop);
-    let mut z = touch_once(main_loop, probe, probe.fast).await?;
-    let Some(expected) = bed else {
-        let [.., steps, _] = main_loop.motion.to_steps([z; 4]);
-        main_loop.homed.note_bed(Some(steps));
-        return Ok(height_of(probe, z));
-    };
-    let too_early = expected.saturating_add(TOO_EARLY);
-    if z > too_early {
-        z = touch_once(main_loop, probe, probe.fast).await?;
+    let mut is_again = false;
+    loop {
+        let z = touch_once(main_loop, probe, probe.fast).await?;
+        let Some(expected) = bed else {
+            let [.., steps, _] = main_loop.motion.to_steps([z; 4]);
+            main_loop.homed.note_bed(Some(steps));
+            return Ok(height_of(probe, z));
+        };
+        if z <= expected.saturating_add(TOO_EARLY) {
+            return Ok(height_of(probe, z));
+        }
+        if is_again {
+            return Err(failed(main_loop, ProbeFailure::Early { height: z.saturating_sub(expected), expected }));
+        }
+        is_again = true;
     }
-    if z > too_early {
-        return Err(ProbeFailure::Early { height: z.saturating_sub(expected), expected }.into());
-    }
-    Ok(height_of(probe, z))
-}
-
-/// The height of the bed at the place where z is homed, in the coordinates that z has before.
-async fn zero<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<Mm, ProbeError> {
-    let probe = main_loop.settings.probe_in_program();
-    go_over(main_loop, main_loop.settings.probe_home()).await?;
-    find(main_loop, &probe).await?;
-    mean_of_touches(main_loop, &probe).await
 }
 
 /// The mean of the touches that count.
 async fn mean_of_touches<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     probe: &Probe,
-) -> Result<Mm, ProbeError> {
+) -> Result<Mm, Interrupt> {
     let mut tries = 0;
     loop {
         let (mut sum, mut least, mut most) = (Mm::ZERO, Mm::MAX, Mm::MIN);
@@ -265,7 +267,7 @@ async fn mean_of_touches<P: PortSet, W: Pend>(
             return Ok(sum / i64::from(probe.samples.max(1)));
         }
         if tries == probe.retries {
-            return Err(ProbeFailure::Spread { spread, tolerance: probe.tolerance }.into());
+            return Err(failed(main_loop, ProbeFailure::Spread { spread, tolerance: probe.tolerance }));
         }
         tries += 1;
     }
@@ -277,7 +279,7 @@ async fn touch_once<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     probe: &Probe,
     speed: MmPerSec,
-) -> Result<Mm, ProbeError> {
+) -> Result<Mm, Interrupt> {
     put_out(main_loop).await?;
     let [.., from, _] = main_loop.motion.end_mm();
     let bed = expected(main_loop);
@@ -285,7 +287,7 @@ async fn touch_once<P: PortSet, W: Pend>(
     let rest_ms = (u64::from(probe.quiet.to_bits()) * 1000) >> Seconds::FRAC_NBITS;
     main_loop.settle(main_loop.now().after_ms(rest_ms as u32)).await?;
     if is_triggered(main_loop).await? {
-        return Err(ProbeFailure::Triggered.into());
+        return Err(failed(main_loop, ProbeFailure::Triggered));
     }
     let reach = main_loop.settings.reach(HomedAxis::Z);
     let axis = reach.most.saturating_sub(reach.least);
@@ -310,8 +312,10 @@ async fn touch_once<P: PortSet, W: Pend>(
     raise_by(main_loop, probe.clearance.min(top.saturating_sub(to))).await?;
     main_loop.probing.take_touch();
     if !has_met {
-        return Err(unmet.into());
+        return Err(failed(main_loop, unmet));
     }
-    after_touch(main_loop).await?;
+    if goes_in_by_itself(main_loop) {
+        take_in(main_loop).await?;
+    }
     Ok(to)
 }

@@ -1,5 +1,6 @@
 //! The probe's state: whether it is out, its servo, and the touch that is under way.
 
+use super::job::ProbeFailure;
 use crate::units::Mm;
 
 /// The probe, as far as the firmware has given it orders.
@@ -13,12 +14,22 @@ pub(in crate::machine) struct Probing {
     touch_from: Option<Mm>,
     /// Where the probe is to trigger then, if the bed is known.
     awaited: Option<Mm>,
+    /// Why the touch that is under way has failed.
+    failure: Option<ProbeFailure>,
 }
 
 impl Probing {
     /// As after a reset: it is in.
     pub const fn new() -> Self {
-        Self { is_out: false, is_in_series: false, is_quick: false, servo: None, touch_from: None, awaited: None }
+        Self {
+            is_out: false,
+            is_in_series: false,
+            is_quick: false,
+            servo: None,
+            touch_from: None,
+            awaited: None,
+            failure: None,
+        }
     }
 
     /// Whether it is out.
@@ -60,6 +71,23 @@ impl Probing {
     /// Whether a touch is under way.
     pub const fn is_touching(&self) -> bool {
         self.touch_from.is_some()
+    }
+
+    /// The touch that is under way has failed; the first reason counts.
+    pub const fn note_failure(&mut self, why: ProbeFailure) {
+        if self.failure.is_none() {
+            self.failure = Some(why);
+        }
+    }
+
+    /// Whether it has.
+    pub const fn has_failed(&self) -> bool {
+        self.failure.is_some()
+    }
+
+    /// Why it has, which counts once.
+    pub const fn take_failure(&mut self) -> Option<ProbeFailure> {
+        self.failure.take()
     }
 
     /// Whether a BLTouch is not taken in between touches (M401 S1).
