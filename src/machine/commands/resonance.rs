@@ -7,7 +7,7 @@ use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
-use crate::machine::resonance::test::{examine_sensor, tell_samples, test_resonances};
+use crate::machine::resonance::test::{examine_sensor, test_resonances};
 use crate::port::Pend;
 use core::pin::pin;
 
@@ -17,12 +17,12 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
     states: &mut States,
     command: &ResonanceCommand,
 ) -> Result<Answer<'static>, Interrupt> {
-    match command {
-        ResonanceCommand::Sensor => Ok(Answer::Resonance(examine_sensor(main_loop).await?)),
-        ResonanceCommand::Samples { count } => {
-            let count = count.map_or(1000, |count| count.to_u32());
-            tell_samples(main_loop, count).await
+    let samples = match command {
+        ResonanceCommand::Sensor => None,
+        ResonanceCommand::Samples { count } => Some(count.map_or(1000, |count| count.to_u32())),
+        ResonanceCommand::Sweep(words) => {
+            return apart(pin!(test_resonances(main_loop, &mut states.clamps, words))).await;
         }
-        ResonanceCommand::Sweep(words) => apart(pin!(test_resonances(main_loop, &mut states.clamps, words))).await,
-    }
+    };
+    examine_sensor(main_loop, samples).await
 }

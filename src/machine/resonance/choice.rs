@@ -6,6 +6,7 @@
 //! (`resonance/src/klipper.rs`), so both give one answer.
 
 use super::response::Response;
+use crate::machine::answers::resonance_answer::Suggested;
 use crate::motion::root;
 use crate::settings::{Shaper, ShaperKind};
 use crate::units::{Hertz, MmPerSec2, Ratio};
@@ -78,7 +79,7 @@ pub(super) struct Chosen {
     row: &'static Row,
     fifths: u32,
     /// Part of the vibration that it leaves.
-    pub left: f32,
+    left: f32,
     smoothing: f32,
     score: f32,
 }
@@ -88,14 +89,20 @@ impl Chosen {
     const NONE: Self =
         Self { row: &ROWS[0], fifths: 0, left: f32::INFINITY, smoothing: f32::INFINITY, score: f32::INFINITY };
 
-    /// What it has besides is as in `base`.
-    pub fn shaper(&self, base: Shaper) -> Shaper {
+    /// The answer about it; what the shaper has besides is as in `base`.
+    #[inline(never)]
+    pub fn suggested(&self, base: Shaper) -> Suggested {
+        let percent = (self.left * 100.0 + 0.5) as u8;
+        Suggested { shaper: self.shaper(base), percent, most: self.most_acceleration() }
+    }
+
+    fn shaper(&self, base: Shaper) -> Shaper {
         let frequency = Hertz::from_bits(((self.fifths << 16) + 2) / 5);
         Shaper { kind: self.row.kind, frequency, damping: DAMPING, ..base }
     }
 
     /// The acceleration at which it rounds corners by [`SMOOTHING`].
-    pub fn most_acceleration(&self) -> MmPerSec2 {
+    fn most_acceleration(&self) -> MmPerSec2 {
         let (row, period) = (self.row, self.period());
         let back = SMOOTHING / (row.turn * period);
         let aside = (SMOOTHING - row.speed * period) / (row.corner * period);
@@ -133,6 +140,7 @@ pub(super) struct Search<'r> {
 }
 
 impl<'r> Search<'r> {
+    #[inline(never)]
     pub fn new(response: &'r Response, step_hz: f32, ends: &RangeInclusive<usize>) -> Self {
         let ends = [*ends.start(), *ends.end() + 1];
         let mut most = 0.0;

@@ -59,44 +59,49 @@ impl Commanded {
 /// Noise of a resting sensor.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Noise {
-    first: Sample,
     count: u32,
-    sums: [i64; 3],
-    squares: [u64; 3],
+    axes: [AxisNoise; 3],
+}
+
+/// The first value along an axis, and sums of the differences from it.
+#[derive(Clone, Copy, Default)]
+struct AxisNoise {
+    first: i32,
+    sum: i64,
+    squares: u64,
 }
 
 impl Noise {
     fn add(&mut self, sample: &Sample) {
-        if self.count == 0 {
-            self.first = *sample;
+        for (axis, value) in self.axes.iter_mut().zip(sample.axes) {
+            if self.count == 0 {
+                axis.first = value;
+            }
+            let value = i64::from(value) - i64::from(axis.first);
+            axis.sum += value;
+            axis.squares += (value * value).cast_unsigned();
         }
         self.count += 1;
-        for ((sum, square), (value, first)) in
-            self.sums.iter_mut().zip(&mut self.squares).zip(sample.axes.iter().zip(self.first.axes))
-        {
-            let value = i64::from(*value) - i64::from(first);
-            *sum += value;
-            *square += (value * value).cast_unsigned();
-        }
     }
 
     /// The mean sample.
     pub fn mean(&self) -> Sample {
         let count = i64::from(self.count.max(1));
-        let mut axes = self.first.axes;
-        for (axis, sum) in axes.iter_mut().zip(self.sums) {
-            *axis += (sum / count) as i32;
+        let mut mean = Sample::default();
+        for (value, axis) in mean.axes.iter_mut().zip(&self.axes) {
+            *value = axis.first + (axis.sum / count) as i32;
         }
-        Sample { axes }
+        mean
     }
 
     /// Standard deviation of each axis in mm/s^2.
+    #[inline(never)]
     pub fn deviation(&self) -> [u32; 3] {
         let count = u64::from(self.count.max(1));
         let mut deviation = [0; 3];
-        for (value, (sum, square)) in deviation.iter_mut().zip(self.sums.into_iter().zip(self.squares)) {
-            let mean = sum.unsigned_abs() / count;
-            *value = whole_root((square / count).saturating_sub(mean * mean)) as u32;
+        for (value, axis) in deviation.iter_mut().zip(&self.axes) {
+            let mean = axis.sum.unsigned_abs() / count;
+            *value = whole_root((axis.squares / count).saturating_sub(mean * mean)) as u32;
         }
         deviation
     }
@@ -160,6 +165,7 @@ impl Listener {
     }
 
     /// Samples a second so far.
+    #[inline(never)]
     pub fn rate(&self) -> u32 {
         let ticks = self.last.0.saturating_sub(self.since.0).max(1);
         ((u64::from(self.count) * u64::from(TICKS_PER_SECOND) + ticks / 2) / ticks) as u32

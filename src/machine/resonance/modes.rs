@@ -17,7 +17,7 @@ use core::ops::RangeInclusive;
 use heapless::Vec;
 
 /// Most modes.
-const MOST: usize = 2;
+pub(super) const MOST: usize = 2;
 
 /// The fit takes a peak down to this part of its response.
 const FOOT: f32 = 1.0 / 16.0;
@@ -50,12 +50,19 @@ pub(super) fn modes(response: &Response, step: f32, ends: &RangeInclusive<usize>
     let mut taken: Vec<RangeInclusive<usize>, MOST> = Vec::new();
     let mut highest = 0.0;
     for _ in 0..MOST {
-        let free = ends.clone().filter(|number| !taken.iter().any(|range| range.contains(number)));
-        let Some((peak, height)) = highest_of(response, free) else { break };
+        let mut best: Option<(usize, f32)> = None;
+        for number in *ends.start()..=*ends.end() {
+            let height = response.at(number);
+            let is_taken = taken.iter().any(|range| range.contains(&number));
+            if !is_taken && best.is_none_or(|(_, most)| height > most) {
+                best = Some((number, height));
+            }
+        }
+        let Some((peak, height)) = best else { break };
         if highest == 0.0 {
             highest = height;
         }
-        let range = foot(response, peak, ends);
+        let range = foot(response, peak, *ends.start())..=foot(response, peak, *ends.end());
         let is_peak = height > LEAST && height > LEAST_PART * highest;
         if !is_peak || peak == *range.start() || peak == *range.end() {
             break;
@@ -68,35 +75,23 @@ pub(super) fn modes(response: &Response, step: f32, ends: &RangeInclusive<usize>
     found
 }
 
-fn highest_of(response: &Response, numbers: impl Iterator<Item = usize>) -> Option<(usize, f32)> {
-    let mut best = None;
-    for number in numbers {
-        let height = response.at(number);
-        if best.is_none_or(|(_, most)| height > most) {
-            best = Some((number, height));
+/// The number from a peak towards an end at its foot, or in a valley.
+#[inline(never)]
+fn foot(response: &Response, peak: usize, end: usize) -> usize {
+    let height = response.at(peak);
+    let (mut last, mut lowest) = (peak, height);
+    let mut number = peak;
+    while number != end {
+        number = if end < peak { number - 1 } else { number + 1 };
+        let here = response.at(number);
+        if here < FOOT * height || here > RISE * lowest {
+            break;
+        }
+        if here < lowest {
+            (last, lowest) = (number, here);
         }
     }
-    best
-}
-
-/// The numbers round a peak down to its foot, or to a valley.
-fn foot(response: &Response, peak: usize, ends: &RangeInclusive<usize>) -> RangeInclusive<usize> {
-    let height = response.at(peak);
-    let reach = |numbers: &mut dyn Iterator<Item = usize>| {
-        let (mut last, mut lowest) = (peak, height);
-        for number in numbers {
-            let here = response.at(number);
-            if here < FOOT * height || here > RISE * lowest {
-                break;
-            }
-            if here < lowest {
-                (last, lowest) = (number, here);
-            }
-        }
-        last
-    };
-    let first = reach(&mut (*ends.start()..peak).rev());
-    first..=reach(&mut (peak + 1..=*ends.end()))
+    last
 }
 
 /// The mode of a peak; `None` if it has none of a possible damping.

@@ -42,6 +42,7 @@ pub(in crate::machine) const fn parts_of(axis: SweepAxis) -> [i32; 2] {
 }
 
 /// The sweep that a line wants; Klipper's numbers where it names none. Words out of range are noted.
+#[inline(never)]
 pub(super) fn wanted(s: &Settings, words: &SweepWords, clamps: &mut Clamps) -> Sweep {
     const COMMAND: &str = "TEST_RESONANCES";
     let SweepWords { axis, from, to, accel_per_hz, hz_per_s, swing, period, .. } = *words;
@@ -89,20 +90,22 @@ fn bounded(axis: SweepAxis, [of_x, of_y]: [u32; 2], of_motors: u32) -> u32 {
     let [x, y] = parts_of(axis);
     // A belt motor makes x, y, or both.
     let motor = (x - y).unsigned_abs().max((x + y).unsigned_abs());
-    let along = |most: u32, part: u32| mul_div(most.into(), 1 << 16, part.into());
-    let all = [along(of_x, x.unsigned_abs()), along(of_y, y.unsigned_abs()), along(of_motors, motor)];
-    all.into_iter().min().and_then(|most| u32::try_from(most).ok()).unwrap_or(u32::MAX)
+    let mut least = u64::from(u32::MAX);
+    for (most, part) in [(of_x, x.unsigned_abs()), (of_y, y.unsigned_abs()), (of_motors, motor)] {
+        least = least.min(mul_div(most.into(), 1 << 16, part.into()));
+    }
+    least as u32
 }
 
 /// The acceleration that the machine allows along an axis, travels included.
 fn limit(s: &Settings, axis: SweepAxis) -> MmPerSec2 {
-    let axes = [s.axes.x, s.axes.y].map(|axis| axis.max_acceleration.to_bits());
+    let axes = [s.axes.x.max_acceleration.to_bits(), s.axes.y.max_acceleration.to_bits()];
     let most = MmPerSec2::from_bits(bounded(axis, axes, s.motor_max_acceleration.to_bits()));
     most.min(s.travel_acceleration)
 }
 
 fn speed_limit(s: &Settings, axis: SweepAxis) -> MmPerSec {
-    let axes = [s.axes.x, s.axes.y].map(|axis| axis.max_speed.to_bits());
+    let axes = [s.axes.x.max_speed.to_bits(), s.axes.y.max_speed.to_bits()];
     MmPerSec::from_bits(bounded(axis, axes, s.motor_max_speed.to_bits()))
 }
 
@@ -122,7 +125,7 @@ pub(super) fn weaken(sweep: &mut Sweep) -> Option<bool> {
 
 /// How far a sweep goes, and how fast.
 #[derive(Clone, Copy)]
-struct Extremes {
+pub(super) struct Extremes {
     /// mm along the axis, times 2^32.
     back: i64,
     forth: i64,
@@ -133,12 +136,11 @@ struct Extremes {
 /// Pieces that a turn of the main loop reckons: about a millisecond.
 const A_TURN: usize = 64;
 
-/// Asks whether the machine can make the sweep from where the tool stands, and gives the answer if it cannot.
-pub(super) async fn refusal<P: PortSet, W: Pend>(
+/// Reckons how far a sweep goes.
+pub(super) async fn extremes<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
-    axis: SweepAxis,
     sweep: &Sweep,
-) -> Result<Option<ResonanceAnswer>, Interrupt> {
+) -> Result<Extremes, Interrupt> {
     let mut all = Extremes { back: 0, forth: 0, speed: 0 };
     for (count, piece) in sweep.pieces().enumerate() {
         let end = piece.end;
@@ -150,25 +152,34 @@ pub(super) async fn refusal<P: PortSet, W: Pend>(
             main_loop.poll().await?;
         }
     }
+    Ok(all)
+}
+
+/// The answer if the machine cannot make a sweep from where the tool stands.
+#[inline(never)]
+pub(super) fn refusal<P: PortSet, W: Pend>(
+    main_loop: &MainLoop<'_, P, W>,
+    axis: SweepAxis,
+    all: &Extremes,
+) -> Option<ResonanceAnswer> {
     let s: &Settings = &main_loop.settings;
     let most = speed_limit(s, axis);
     let speed = MmPerSec::from_bits((all.speed >> 16) as u32);
     if speed > most {
-        return Ok(Some(ResonanceAnswer::TooFast { speed, most }));
+        return Some(ResonanceAnswer::TooFast { speed, most });
     }
     let at = main_loop.motion.end_mm();
     for ((at, part), homed) in at.into_iter().zip(parts_of(axis)).zip([HomedAxis::X, HomedAxis::Y]) {
-        let ends = [all.back, all.forth].map(|way| {
-            at.saturating_add(Mm::from_bits(
-                part_of(way, part.unsigned_abs().into(), 1 << 16) * i64::from(part.signum()),
-            ))
-        });
-        let [a, b] = ends;
+        let end = |way: i64| {
+            let way = part_of(way, part.unsigned_abs().into(), 1 << 16) * i64::from(part.signum());
+            at.saturating_add(Mm::from_bits(way))
+        };
+        let (a, b) = (end(all.back), end(all.forth));
         let (least, most) = (a.min(b), a.max(b));
         let reach = s.reach(homed);
         if part != 0 && (least < reach.least || most > reach.most) {
-            return Ok(Some(ResonanceAnswer::NoRoom { axis: homed, least, most, reach }));
+            return Some(ResonanceAnswer::NoRoom { axis: homed, least, most, reach });
         }
     }
-    Ok(None)
+    None
 }

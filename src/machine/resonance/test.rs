@@ -5,13 +5,13 @@
 
 use super::choice::Search;
 use super::listen::{AT_ONCE, Listener, MOST_NOISE};
-use super::modes::{modes, shaken};
-use super::plan::{refusal, wanted, weaken};
+use super::modes::{MOST as MOST_MODES, modes, shaken};
+use super::plan::{extremes, refusal, wanted, weaken};
 use super::response::{Response, step_hz};
 use crate::accelerometer::SensorFault;
 use crate::gcode::{SweepAxis, SweepWords};
 use crate::machine::answers::answer::Answer;
-use crate::machine::answers::resonance_answer::{ResonanceAnswer, Suggested};
+use crate::machine::answers::resonance_answer::{Mode, ResonanceAnswer};
 use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
@@ -21,62 +21,85 @@ use crate::machine::state::clamps::Clamps;
 use crate::motion::{Sweep, Target};
 use crate::port::{Accelerometer, EndstopSet, Pend};
 use crate::settings::{Shaper, Shapers};
-use crate::units::{Instant, Mm};
+use crate::units::{Hertz, Instant, Mm};
+use core::ops::RangeInclusive;
 use core::pin::pin;
+use heapless::Vec;
 
 /// Rest before the noise counts, and its time: the sensor starts in some ms.
 const NOISE_MS: u32 = 1000;
 
-/// M955.
-pub(in crate::machine) async fn examine_sensor<P: PortSet, W: Pend>(
-    main_loop: &mut MainLoop<'_, P, W>,
-) -> Result<ResonanceAnswer, Interrupt> {
-    main_loop.finish().await?;
-    let mut response = Response::new();
-    let Some(kind) = main_loop.settings.accelerometer.kind else { return Ok(ResonanceAnswer::NoSensor) };
-    let heard = apart(pin!(hear_noise(main_loop, SweepAxis::X, &mut response))).await;
-    main_loop.accelerometer.stop();
-    Ok(match heard? {
-        Ok(listener) => ResonanceAnswer::Sensor { kind, rate: listener.rate(), noise: listener.noise.deviation() },
-        Err(fault) => ResonanceAnswer::Failed(kind, fault),
-    })
+/// What hears a sensor.
+struct Session {
+    /// `None` before it starts, and on a machine without a sensor.
+    listener: Option<Listener>,
+    response: Response,
+    /// Samples are told to the host, with their time from then.
+    told_from: Option<Instant>,
+    /// Samples that were taken.
+    taken: u32,
+    /// Why the sensor is not heard any more.
+    fault: Option<SensorFault>,
 }
 
-/// M956: so many samples of the resting tool.
-pub(in crate::machine) async fn tell_samples<P: PortSet, W: Pend>(
+/// The end of hearing, besides a fault of the sensor.
+enum Until {
+    Time(Instant),
+    /// So many samples, or the end of a pause.
+    Taken(u32),
+    /// The tool rests.
+    Rest,
+}
+
+impl Session {
+    const fn new() -> Self {
+        Self { listener: None, response: Response::new(), told_from: None, taken: 0, fault: None }
+    }
+
+    /// From now on the tool is swept.
+    fn begin(&mut self, sweep: &Sweep, now: Instant, is_told: bool) {
+        if let Some(listener) = &mut self.listener {
+            listener.begin(sweep, now);
+        }
+        self.told_from = is_told.then_some(now);
+        self.taken = 0;
+    }
+}
+
+/// M955, and M956: so many samples of the resting tool.
+pub(in crate::machine) async fn examine_sensor<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
-    count: u32,
+    samples: Option<u32>,
 ) -> Result<Answer<'static>, Interrupt> {
     main_loop.finish().await?;
     let Some(kind) = main_loop.settings.accelerometer.kind else {
         return Ok(Answer::Resonance(ResonanceAnswer::NoSensor));
     };
-    let told = tell(main_loop, count).await;
+    let mut session = Session::new();
+    let heard = hear_resting(main_loop, &mut session, samples).await;
     main_loop.accelerometer.stop();
-    Ok(told?.err().map_or(Answer::Nothing, |fault| Answer::Resonance(ResonanceAnswer::Failed(kind, fault))))
+    heard?;
+    Ok(match (session.fault, &session.listener) {
+        (Some(fault), _) => Answer::Resonance(ResonanceAnswer::Failed(kind, fault)),
+        (None, Some(listener)) if samples.is_none() => Answer::Resonance(ResonanceAnswer::Sensor {
+            kind,
+            rate: listener.rate(),
+            noise: listener.noise.deviation(),
+        }),
+        _ => Answer::Nothing,
+    })
 }
 
-async fn tell<P: PortSet, W: Pend>(
+async fn hear_resting<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
-    count: u32,
-) -> Result<Result<(), SensorFault>, Interrupt> {
-    let mut response = Response::new();
-    let mut listener = match apart(pin!(hear_noise(main_loop, SweepAxis::X, &mut response))).await? {
-        Ok(listener) => listener,
-        Err(fault) => return Ok(Err(fault)),
-    };
+    session: &mut Session,
+    samples: Option<u32>,
+) -> Result<(), Interrupt> {
+    hear_noise(main_loop, session, SweepAxis::X).await?;
+    let Some(samples) = samples.filter(|_| session.fault.is_none()) else { return Ok(()) };
     main_loop.reply(Answer::Resonance(ResonanceAnswer::RawHead)).await?;
-    let begin = main_loop.now();
-    listener.begin(&Sweep::NONE, begin);
-    let mut told = 0;
-    while told < count && !main_loop.pauses.is_over() {
-        main_loop.poll().await?;
-        match apart(pin!(hear(main_loop, &mut listener, &mut response, Some(begin)))).await? {
-            Ok(taken) => told += taken,
-            Err(fault) => return Ok(Err(fault)),
-        }
-    }
-    Ok(Ok(()))
+    session.begin(&Sweep::NONE, main_loop.now(), true);
+    apart(pin!(hear(main_loop, session, Until::Taken(samples)))).await
 }
 
 /// TEST_RESONANCES.
@@ -97,54 +120,69 @@ pub(in crate::machine) async fn test_resonances<P: PortSet, W: Pend>(
         return Ok(Answer::Nothing);
     }
     let limit = sweep.brake;
-    let weaker = ResonanceAnswer::Weaker { accel_per_hz: sweep.accel_per_hz, limit };
-    let weaker = match weaken(&mut sweep) {
-        None => return Ok(Answer::Resonance(ResonanceAnswer::TooWeak { limit })),
-        Some(false) => None,
-        Some(true) => Some(match weaker {
-            ResonanceAnswer::Weaker { limit, .. } => {
-                ResonanceAnswer::Weaker { accel_per_hz: sweep.accel_per_hz, limit }
-            }
-            other => other,
-        }),
+    let Some(is_weaker) = weaken(&mut sweep) else {
+        return Ok(Answer::Resonance(ResonanceAnswer::TooWeak { limit }));
     };
-    if let Some(refused) = refusal(main_loop, words.axis, &sweep).await? {
+    let extremes = extremes(main_loop, &sweep).await?;
+    if let Some(refused) = refusal(main_loop, words.axis, &extremes) {
         return Ok(Answer::Resonance(refused));
     }
-    if let Some(weaker) = weaker {
+    if is_weaker {
+        let weaker = ResonanceAnswer::Weaker { accel_per_hz: sweep.accel_per_hz, limit };
         main_loop.reply(Answer::Resonance(weaker)).await?;
     }
     main_loop.power_up(main_loop.motion.groups().fitted()).await?;
     let place = main_loop.motion.end_mm();
-    let mut response = Response::new();
-    let tested = test(main_loop, words.axis, sweep, &mut response, words.wants_raw).await;
+    let mut session = Session::new();
+    let tested = test(main_loop, words, &sweep, &mut session).await;
     main_loop.accelerometer.stop();
     let tested = tested?;
     go_back(main_loop, place).await?;
-    let blocks = match tested {
-        Tested::Heard { blocks_a_second } => blocks_a_second,
-        Tested::Answer(answer) => return Ok(Answer::Resonance(answer)),
-    };
-    let ends = [sweep.from, sweep.to].map(|hertz| hertz.to_bits() as f32 / 65_536.0);
-    let step = step_hz(blocks);
-    let ends = shaken(step, ends);
-    let found = modes(&response, step, &ends);
-    let base = shaper_of(&main_loop.settings.shapers, words.axis).filter(|_| words.chooses);
-    let shaper = match base.filter(|_| !found.is_empty()) {
-        Some(base) => {
-            let mut search = Search::new(&response, step, &ends);
-            while search.step() {
-                main_loop.poll().await?;
-            }
-            let chosen = search.found();
-            let shaper = chosen.shaper(base);
-            let percent = (chosen.left * 100.0 + 0.5) as u8;
-            Some(Suggested { shaper, percent, most: chosen.most_acceleration() })
+    if let Some(answer) = tested {
+        return Ok(Answer::Resonance(answer));
+    }
+    let heard = Heard::new(&session, &sweep);
+    let base = shaper_of(&main_loop.settings.shapers, words.axis);
+    let mut search = base.filter(|_| words.chooses && !heard.modes.is_empty()).map(|base| (base, heard.search()));
+    while search.as_mut().is_some_and(|(_, search)| search.step()) {
+        main_loop.poll().await?;
+    }
+    let shaper = search.map(|(base, search)| search.found().suggested(base));
+    Ok(Answer::Resonance(ResonanceAnswer::Found { axis: words.axis, modes: heard.both_modes(), shaper }))
+}
+
+/// What was heard of a sweep.
+struct Heard<'s> {
+    response: &'s Response,
+    /// Hz from one frequency to the next.
+    step: f32,
+    /// The numbers of the frequencies that count.
+    ends: RangeInclusive<usize>,
+    modes: Vec<Mode, MOST_MODES>,
+}
+
+impl<'s> Heard<'s> {
+    #[inline(never)]
+    fn new(session: &'s Session, sweep: &Sweep) -> Self {
+        let response = &session.response;
+        let step = step_hz(session.listener.as_ref().map_or(0.0, Listener::blocks_a_second));
+        let hertz = |hertz: Hertz| hertz.to_bits() as f32 / 65_536.0;
+        let ends = shaken(step, [hertz(sweep.from), hertz(sweep.to)]);
+        let modes = modes(response, step, &ends);
+        Self { response, step, ends, modes }
+    }
+
+    fn search(&self) -> Search<'s> {
+        Search::new(self.response, self.step, &self.ends)
+    }
+
+    fn both_modes(&self) -> [Option<Mode>; MOST_MODES] {
+        let mut modes = [None; MOST_MODES];
+        for (mode, found) in modes.iter_mut().zip(&self.modes) {
+            *mode = Some(*found);
         }
-        None => None,
-    };
-    let modes = [0, 1].map(|place| found.get(place).copied());
-    Ok(Answer::Resonance(ResonanceAnswer::Found { axis: words.axis, modes, shaper }))
+        modes
+    }
 }
 
 /// The shaper of an axis; a diagonal has none.
@@ -156,107 +194,95 @@ const fn shaper_of(shapers: &Shapers, axis: SweepAxis) -> Option<Shaper> {
     }
 }
 
-/// What came of a sweep.
-enum Tested {
-    /// The sensor was heard to its end.
-    Heard { blocks_a_second: f32 },
-    /// There is nothing to reckon with.
-    Answer(ResonanceAnswer),
-}
-
-/// Sweeps the tool and listens; shaping is on again.
+/// Sweeps the tool and listens; shaping is on again. Returns the answer if there is nothing to reckon with.
 async fn test<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
-    axis: SweepAxis,
-    sweep: Sweep,
-    response: &mut Response,
-    wants_raw: bool,
-) -> Result<Tested, Interrupt> {
+    words: &SweepWords,
+    sweep: &Sweep,
+    session: &mut Session,
+) -> Result<Option<ResonanceAnswer>, Interrupt> {
     let kind = main_loop.settings.accelerometer.kind;
-    let mut listener = None;
     if let Some(kind) = kind {
-        let heard = match apart(pin!(hear_noise(main_loop, axis, response))).await? {
-            Ok(listener) => listener,
-            Err(fault) => return Ok(Tested::Answer(ResonanceAnswer::Failed(kind, fault))),
-        };
-        let noise = heard.noise.deviation();
-        if noise.iter().any(|noise| *noise >= MOST_NOISE) {
-            return Ok(Tested::Answer(ResonanceAnswer::Noisy(kind, noise)));
+        hear_noise(main_loop, session, words.axis).await?;
+        if let Some(fault) = session.fault {
+            return Ok(Some(ResonanceAnswer::Failed(kind, fault)));
         }
-        if wants_raw {
+        let noise = session.listener.as_ref().map_or([0; 3], |listener| listener.noise.deviation());
+        if noise.iter().any(|noise| *noise >= MOST_NOISE) {
+            return Ok(Some(ResonanceAnswer::Noisy(kind, noise)));
+        }
+        if words.wants_raw {
             main_loop.reply(Answer::Resonance(ResonanceAnswer::RawHead)).await?;
         }
-        listener = Some(heard);
     }
-    start_sweep(main_loop, sweep).await?;
-    let begin = main_loop.now();
-    if let Some(listener) = &mut listener {
-        listener.begin(&sweep, begin);
-    }
-    let mut failure = None;
-    while main_loop.motion.has_motion() && failure.is_none() {
-        main_loop.poll().await?;
-        if let Some(listener) = &mut listener {
-            failure = apart(pin!(hear(main_loop, listener, response, wants_raw.then_some(begin)))).await?.err();
-        }
-    }
-    if failure.is_some() {
+    start_sweep(main_loop, *sweep).await?;
+    session.begin(sweep, main_loop.now(), words.wants_raw);
+    apart(pin!(hear(main_loop, session, Until::Rest))).await?;
+    if session.fault.is_some() {
         main_loop.slow_down().await?;
     }
     main_loop.drop_motion().await?;
-    Ok(match (failure, kind, listener) {
-        (Some(fault), Some(kind), _) => Tested::Answer(ResonanceAnswer::Failed(kind, fault)),
-        (None, _, Some(listener)) => Tested::Heard { blocks_a_second: listener.blocks_a_second() },
-        _ => Tested::Answer(ResonanceAnswer::Swept(axis)),
+    Ok(match (kind, session.fault) {
+        (Some(kind), Some(fault)) => Some(ResonanceAnswer::Failed(kind, fault)),
+        (Some(_), None) => None,
+        (None, _) => Some(ResonanceAnswer::Swept(words.axis)),
     })
 }
 
-/// Starts the sensor and hears its noise for a second.
+/// Starts the sensor, if there is one, and hears its noise for a second.
 async fn hear_noise<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
+    session: &mut Session,
     axis: SweepAxis,
-    response: &mut Response,
-) -> Result<Result<Listener, SensorFault>, Interrupt> {
+) -> Result<(), Interrupt> {
     let sensor = main_loop.settings.accelerometer;
-    let Some(kind) = sensor.kind else { return Ok(Err(SensorFault::Absent)) };
+    let Some(kind) = sensor.kind else { return Ok(()) };
     main_loop.accelerometer.start(kind, sensor.rate);
-    let mut listener = Listener::new(sensor, axis, main_loop.now());
+    session.listener = Some(Listener::new(sensor, axis, main_loop.now()));
     let end = main_loop.now().after_ms(NOISE_MS);
-    while main_loop.now() < end {
-        main_loop.poll().await?;
-        if let Err(fault) = apart(pin!(hear(main_loop, &mut listener, response, None))).await? {
-            return Ok(Err(fault));
-        }
-    }
-    Ok(Ok(listener))
+    apart(pin!(hear(main_loop, session, Until::Time(end)))).await
 }
 
-/// Takes all samples that have come. With the time of a begin they are told to the host; if it takes them too slowly,
-/// the sensor's buffer overflows, which ends the test. Returns their number.
+/// Takes samples as they come, until an end or a fault. If the host is told and takes them too slowly, the sensor's
+/// buffer overflows, which is a fault.
 async fn hear<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
-    listener: &mut Listener,
-    response: &mut Response,
-    told_from: Option<Instant>,
-) -> Result<Result<u32, SensorFault>, Interrupt> {
-    let mut count = 0;
-    loop {
-        let now = main_loop.turn_began();
-        let taken = match listener.listen(&mut main_loop.accelerometer, now, response) {
-            Ok(taken) => taken,
-            Err(fault) => return Ok(Err(fault)),
+    session: &mut Session,
+    until: Until,
+) -> Result<(), Interrupt> {
+    while session.fault.is_none() {
+        let is_over = match until {
+            Until::Time(end) => main_loop.now() >= end,
+            Until::Taken(samples) => session.taken >= samples || main_loop.pauses.is_over(),
+            Until::Rest => !main_loop.motion.has_motion(),
         };
-        count += taken as u32;
-        if let Some(begin) = told_from {
-            for place in 0..taken {
-                let sample = listener.raw(place, taken, begin);
-                main_loop.reply(Answer::Resonance(ResonanceAnswer::Raw(sample))).await?;
+        if is_over {
+            break;
+        }
+        main_loop.poll().await?;
+        let Some(listener) = &mut session.listener else { continue };
+        loop {
+            let now = main_loop.turn_began();
+            let taken = match listener.listen(&mut main_loop.accelerometer, now, &mut session.response) {
+                Ok(taken) => taken,
+                Err(fault) => {
+                    session.fault = Some(fault);
+                    break;
+                }
+            };
+            session.taken += taken as u32;
+            if let Some(begin) = session.told_from {
+                for place in 0..taken {
+                    let sample = listener.raw(place, taken, begin);
+                    main_loop.reply(Answer::Resonance(ResonanceAnswer::Raw(sample))).await?;
+                }
+            }
+            if taken < AT_ONCE {
+                break;
             }
         }
-        if taken < AT_ONCE {
-            return Ok(Ok(count));
-        }
     }
+    Ok(())
 }
 
 /// Brings the tool back to where it was.
