@@ -7,7 +7,7 @@
 
 use crate::motion::number::{acceleration, root, speed};
 use crate::motion::surface::SurfaceFrame;
-use crate::settings::{Kept, Settings};
+use crate::settings::{Axes, Kept, Settings};
 use crate::surface::{Bounds, Mesh};
 use crate::units::Steps;
 
@@ -165,6 +165,7 @@ pub(in crate::motion) fn bent_limits(demand: &Demand, wanted: f32, accel: f32) -
 
 /// Where a mesh lies for the axes of the settings.
 fn frame(mesh: Option<&Mesh>, s: &Settings) -> SurfaceFrame {
-    let resolutions = [s.axes.x, s.axes.y, s.axes.z].map(|axis| axis.steps_per_mm);
+    let Axes { x, y, z, .. } = &s.axes;
+    let resolutions = [x.steps_per_mm, y.steps_per_mm, z.steps_per_mm];
     mesh.map_or(SurfaceFrame::NONE, |mesh| SurfaceFrame::new(mesh, resolutions))
 }

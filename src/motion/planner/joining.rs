@@ -325,7 +325,7 @@ impl Planner<'_> {
         }
         self.close_line(settings);
         let (begin, asked) = (self.end, self.asked);
-        if !self.go_to(target.position) {
+        if !self.go_to(&target.position) {
             return false;
         }
         self.count_move();

@@ -317,7 +317,7 @@ mod tests {
 
     fn heading(degrees: f64) -> Geometry {
         let (sin, cos) = degrees.to_radians().sin_cos();
-        Geometry::new([Mm::from_num(10.0 * cos), Mm::from_num(10.0 * sin), Mm::ZERO, Mm::ZERO])
+        Geometry::new(&[Mm::from_num(10.0 * cos), Mm::from_num(10.0 * sin), Mm::ZERO, Mm::ZERO])
     }
 
     /// After a long move that led to `before`.
@@ -344,7 +344,7 @@ mod tests {
     #[test]
     fn a_corner_into_z_is_as_slow_as_z() {
         let s = Settings::prototype();
-        let up = Geometry::new([Mm::ZERO, Mm::ZERO, Mm::ONE, Mm::ZERO]);
+        let up = Geometry::new(&[Mm::ZERO, Mm::ZERO, Mm::ONE, Mm::ZERO]);
         let sq = corner(&heading(0.0), &up, MmPerSec2::from_num(3000), &s) as f64 / 2f64.powi(32);
         // Z bears 200 mm/s2 and has 0.707 of the change.
         let exact = 200.0 * 2f64.sqrt() * 0.013 * 0.5f64.sqrt() / (1.0 - 0.5f64.sqrt());
@@ -353,7 +353,7 @@ mod tests {
 
     fn chord(angle: f64, length: f64) -> Geometry {
         let (sin, cos) = angle.sin_cos();
-        Geometry::new([Mm::from_num(length * cos), Mm::from_num(length * sin), Mm::ZERO, Mm::ZERO])
+        Geometry::new(&[Mm::from_num(length * cos), Mm::from_num(length * sin), Mm::ZERO, Mm::ZERO])
     }
 
     #[test]

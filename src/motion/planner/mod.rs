@@ -256,7 +256,7 @@ impl<'m> Planner<'m> {
     fn geometry_between(&self, from: [Steps; 4], [x, y, z, e]: [Steps; 4]) -> Geometry {
         let ([px, py, pz, pe], [from_x, from_y, from_z, from_e]) = (&self.step_scale, from);
         let (x, y) = (px.distance(x.wrapping_sub(from_x)), py.distance(y.wrapping_sub(from_y)));
-        Geometry::new([x, y, pz.distance(z.wrapping_sub(from_z)), pe.distance(e.wrapping_sub(from_e))])
+        Geometry::new(&[x, y, pz.distance(z.wrapping_sub(from_z)), pe.distance(e.wrapping_sub(from_e))])
     }
 
     /// Forgets all moves: the machine stands at `position` in steps.
@@ -289,7 +289,7 @@ impl<'m> Planner<'m> {
         self.close_line(settings);
         while !self.replan() {}
         let begin = self.end;
-        if !self.go_to(target.position) {
+        if !self.go_to(&target.position) {
             return false;
         }
         self.count_move();
@@ -307,15 +307,12 @@ impl<'m> Planner<'m> {
     /// Goes to `position`, which then is the end of the last move, and finds the vector. False if that is too short to
     /// be a move.
     #[inline(always)]
-    fn go_to(&mut self, position: [Mm; 4]) -> bool {
-        let path = self.path_to(position);
+    fn go_to(&mut self, position: &[Mm; 4]) -> bool {
+        let is_move = find_path(&self.step_scale, &self.asked, position, &mut self.end, &mut self.vector);
         // Written out, for copies of arrays are calls.
-        let [x, y, z, e] = position;
+        let [x, y, z, e] = *position;
         self.asked = [x, y, z, e];
-        let Some(([x, y, z, e], vector)) = path else { return false };
-        self.end = [x, y, z, e];
-        self.vector = vector;
-        true
+        is_move
     }
 
     /// Gives the move from `begin` to the end of the last move its place in the window. Its vector is known (`vector`),
@@ -410,34 +407,47 @@ impl<'m> Planner<'m> {
 
     /// Whether a target at `position` would be a move.
     #[must_use]
-    #[inline(never)]
     pub fn is_move(&self, position: [Mm; 4]) -> bool {
-        self.path_to(position).is_some()
+        let (mut end, mut vector) = (self.end, Geometry::NONE);
+        find_path(&self.step_scale, &self.asked, &position, &mut end, &mut vector)
     }
 
     /// The last move ended early, at `position`: takes back the path that was not made.
     pub fn fall_short(&mut self, position: [Steps; 4]) {
         self.path = self.path.wrapping_sub(self.geometry_between(self.end, position).path());
     }
+}
 
-    /// The end and the vector of the move to `position`; `None` if it is too short to be one.
-    #[inline(always)]
-    fn path_to(&self, position: [Mm; 4]) -> Option<([Steps; 4], Geometry)> {
-        // Written out: firmware is made for size, which leaves loops and arrays as they are.
-        let ([x, y, z, e], [asked_x, asked_y, asked_z, asked_e]) = (position, self.asked);
-        let ([px, py, pz, pe], [from_x, from_y, from_z, from_e]) = (&self.step_scale, self.end);
-        let (x, dx) = px.end_and_distance(x, asked_x, from_x);
-        let (y, dy) = py.end_and_distance(y, asked_y, from_y);
-        let (z, dz) = pz.end_and_distance(z, asked_z, from_z);
-        let (e, de) = pe.end_and_distance(e, asked_e, from_e);
-        let vector = Geometry::new([dx, dy, dz, de]);
-        if vector.is_extruder_only() || vector.length < LEAST_LENGTH {
-            // The rest of an axis is made up when it is next sent to another position.
-            let extrusion = Geometry::new([Mm::ZERO, Mm::ZERO, Mm::ZERO, de]);
-            return (extrusion.length >= LEAST_LENGTH).then_some(([from_x, from_y, from_z, e], extrusion));
-        }
-        Some(([x, y, z, e], vector))
+/// Takes `end` to the end of the move from there to `position`, and finds its vector; `asked` is the position that was
+/// commanded before. False if it is too short to be a move: then the end stays, and the vector says nothing.
+#[inline(never)]
+fn find_path(
+    step_scale: &[StepScale; 4],
+    asked: &[Mm; 4],
+    position: &[Mm; 4],
+    end: &mut [Steps; 4],
+    vector: &mut Geometry,
+) -> bool {
+    // Written out: firmware is made for size, which leaves loops and arrays as they are.
+    let ([x, y, z, e], [asked_x, asked_y, asked_z, asked_e]) = (*position, *asked);
+    let ([px, py, pz, pe], [from_x, from_y, from_z, from_e]) = (step_scale, *end);
+    let (x, dx) = px.end_and_distance(x, asked_x, from_x);
+    let (y, dy) = py.end_and_distance(y, asked_y, from_y);
+    let (z, dz) = pz.end_and_distance(z, asked_z, from_z);
+    let (e, de) = pe.end_and_distance(e, asked_e, from_e);
+    vector.set(&[dx, dy, dz, de]);
+    let is_of_tool = !vector.is_extruder_only() && vector.length >= LEAST_LENGTH;
+    if is_of_tool {
+        *end = [x, y, z, e];
+        return true;
     }
+    // The rest of an axis is made up when it is next sent to another position.
+    vector.set(&[Mm::ZERO, Mm::ZERO, Mm::ZERO, de]);
+    let is_of_filament = vector.length >= LEAST_LENGTH;
+    if is_of_filament {
+        *end = [from_x, from_y, from_z, e];
+    }
+    is_of_filament
 }
 
 /// The exact distance from `begin` to `end`, given one with 30 right bits.

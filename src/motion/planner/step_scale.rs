@@ -63,6 +63,7 @@ impl StepScale {
     }
 
     /// A position or distance of `steps`, to the nearest bit.
+    #[inline(never)]
     pub fn mm(&self, steps: Steps) -> Mm {
         let wide = i128::from(steps.to_bits()) * i128::from(self.mm_per_step);
         Mm::from_bits(((wide + (1 << 47)) >> 48) as i64)
