@@ -89,7 +89,7 @@ fn make_ready(image: &'static Image, find: Find) -> (Handles, Option<UsbPort>, b
         let (lines, usb) = open_lines(board, found, None, past.reason);
         contexts::only_talk(lines, usb, refusal(board));
     }
-    pull(board.inputs.iter().copied());
+    board.inputs.iter().for_each(pull);
     if let Some(record) = past.record.filter(Record::is_series) {
         // Stored settings may cause the faults, so they are not read here, not even for the baud rate.
         let (lines, usb) = open_lines(board, found, None, past.reason);
@@ -101,10 +101,10 @@ fn make_ready(image: &'static Image, find: Find) -> (Handles, Option<UsbPort>, b
     let Start { settings, plugged, refusal } = machine_at_start(image, board, &mut storage);
     let (mut lines, usb) = open_lines(board, found, Some(settings.baud), past.reason);
     if past.is_supply_off {
-        lines.iter_mut().for_each(|line| _ = line.send(SUPPLY_OFF.as_bytes()));
+        tell(&mut lines, SUPPLY_OFF);
     }
     // Of two connectors on one pin, the one in use decides.
-    pull(plugged.inputs());
+    plugged.each_input(pull);
     safe_levels::take_debug_pins(plugged);
     let (timer, counts_asleep) = StepTimer::start(peripherals.SYST);
     let coupling = Groups::new(&settings.mechanism).coupling();
@@ -126,9 +126,10 @@ fn make_ready(image: &'static Image, find: Find) -> (Handles, Option<UsbPort>, b
     (assemble(settings, step_ports, heat, ports), usb, counts_asleep)
 }
 
-/// Makes inputs, each pulled to the level that an open contact has in its circuit.
-fn pull(inputs: impl Iterator<Item = Input>) {
-    inputs.for_each(|input| ports::make_input(input.pin, input.circuit.is_high_when_open()));
+/// Makes an input, pulled to the level that an open contact has in its circuit.
+#[inline(never)]
+fn pull(input: &Input) {
+    ports::make_input(input.pin, input.circuit.is_high_when_open());
 }
 
 /// The board that we are on.
@@ -216,11 +217,13 @@ fn message(text: core::fmt::Arguments<'_>) -> contexts::Message {
 fn report(lines: &mut [HostSerial], reason: Option<&ResetReason>) {
     if let Some(reason) = reason {
         defmt::error!("the last reset came after {=str}", reason.as_str());
-        for part in reason.parts() {
-            lines.iter_mut().for_each(|line| _ = line.send(part.as_bytes()));
-        }
+        reason.parts().iter().for_each(|part| tell(lines, part));
     }
-    for part in supply::warning_parts() {
-        lines.iter_mut().for_each(|line| _ = line.send(part.as_bytes()));
-    }
+    supply::warning_parts().for_each(|part| tell(lines, part));
+}
+
+/// Says a text to all hosts.
+#[inline(never)]
+fn tell(lines: &mut [HostSerial], text: &str) {
+    lines.iter_mut().for_each(|line| _ = line.send(text.as_bytes()));
 }

@@ -98,10 +98,11 @@ impl Board {
 }
 
 impl Plugged {
-    /// Every input in use.
-    pub fn inputs(&self) -> impl Iterator<Item = Input> {
-        let contacts = self.endstops.into_iter().chain(self.probe).chain(self.filament);
-        contacts.map(|contact| contact.input).chain(self.tachometers.into_iter().flatten())
+    /// Does something with every input in use.
+    pub fn each_input(&self, mut work: impl FnMut(&Input)) {
+        self.endstops.iter().for_each(|endstop| work(&endstop.input));
+        [&self.probe, &self.filament].into_iter().flatten().for_each(|contact| work(&contact.input));
+        self.tachometers.iter().flatten().for_each(work);
     }
 
     /// Step pins by motor.
