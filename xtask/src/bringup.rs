@@ -3,6 +3,7 @@
 
 use crate::checkout::{self, root, run, target_dir};
 use crate::emulate;
+use crate::images;
 use anyhow::{Context as _, Result, ensure};
 use corehbot_host::stop::Stop;
 use std::fs;
@@ -39,7 +40,7 @@ pub fn main(args: &Args) -> Result<()> {
     if args.settings.is_none() {
         fs::write(&machine, MACHINE)?;
     }
-    let image = checkout::build_image("corehbot-octopus")?;
+    let image = images::build_image("corehbot-octopus")?;
     let mut build = emulate::cargo(["build"], &["--quiet"]);
     build.current_dir(root());
     run(build)?;

@@ -1,6 +1,6 @@
 //! The checkout: where things are, and how cargo is called for them.
 
-use anyhow::{Context as _, Result, bail, ensure};
+use anyhow::{Context as _, Result, bail};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -39,60 +39,6 @@ pub fn build_laboratory() -> Result<PathBuf> {
     Ok(target_dir()?.join("debug").join("corehbot-lab").with_extension(std::env::consts::EXE_EXTENSION))
 }
 
-/// The profile that images are built with.
-pub const FIRMWARE: &str = "firmware";
-
-/// A board's image.
-pub fn image(package: &str) -> Result<PathBuf> {
-    Ok(target_dir()?.join(TARGET).join(FIRMWARE).join(package))
-}
-
-/// Packages of the boards that have a processor of their own, which is said in their `.cargo/config.toml`.
-pub fn boards() -> Result<Vec<String>> {
-    let dir = root().join("boards");
-    let mut boards = Vec::new();
-    for entry in std::fs::read_dir(&dir).with_context(|| format!("cannot list {}", dir.display()))? {
-        let entry = entry?;
-        let [has_target, is_linked] = [".cargo/config.toml", "build.rs"].map(|file| entry.path().join(file).exists());
-        ensure!(
-            has_target || !is_linked,
-            "{} has no .cargo/config.toml, which names its processor",
-            entry.path().display()
-        );
-        if has_target {
-            boards.push(format!("corehbot-{}", entry.file_name().to_string_lossy()));
-        }
-    }
-    boards.sort();
-    Ok(boards)
-}
-
-/// Builds the image of a board and says where it is.
-pub fn build_image(package: &str) -> Result<PathBuf> {
-    let mut build = for_boards("build")?;
-    build.args(["--package", package]);
-    run(build)?;
-    image(package)
-}
-
-/// Cargo's `task` for images.
-pub fn for_boards(task: &str) -> Result<Command> {
-    let mut command = cargo([task, "--profile", FIRMWARE, "--target", TARGET]);
-    command.env(FLAGS, [path_flags()?.as_str(), OUTLINER[0], OUTLINER[1]].join("\x1f"));
-    Ok(command)
-}
-
-/// At the least size, LLVM puts parts that functions share into functions of their own: the outliner. Without a bound
-/// it saves 6.5 KB of the Octopus's image, but a line takes 3 % and an event 5 % more instructions. The bound is the
-/// bytes that a part must save.
-///
-/// | bound | saved | a line | a move in the planner | an event |
-/// |---|---|---|---|---|
-/// | 16 | 4.5 KB | +1.1 % | +12.5 % | +2.2 % |
-/// | 40 | 2.8 KB | +0.3 % | +0.4 % | 0 |
-/// | 60 | 1.6 KB | -0.1 % | -0.8 % | 0 |
-const OUTLINER: [&str; 2] = ["-C", "llvm-args=-enable-machine-outliner=always -outliner-benefit-threshold=60"];
-
 /// The variable that hands flags on to the compiler; paths in them may have spaces.
 pub const FLAGS: &str = "CARGO_ENCODED_RUSTFLAGS";
 
@@ -101,8 +47,12 @@ pub const FLAGS: &str = "CARGO_ENCODED_RUSTFLAGS";
 /// by themselves.
 pub fn path_flags() -> Result<String> {
     let home = cargo_home()?;
-    let places =
-        [(home.join("registry/src"), "registry"), (home.join("git/checkouts"), "git"), (target_dir()?, "target")];
+    let places = [
+        (home.join("registry/src"), "registry"),
+        (home.join("git/checkouts"), "git"),
+        (sysroot()?.join("lib/rustlib/src/rust"), "rust"),
+        (target_dir()?, "target"),
+    ];
     let flags = places.map(|(path, name)| format!("--remap-path-prefix={}={name}", path.display()));
     Ok(flags.join("\x1f"))
 }
@@ -113,20 +63,28 @@ pub fn cargo_home() -> Result<PathBuf> {
     set.or_else(|| std::env::home_dir().map(|home| home.join(".cargo"))).context("cannot find cargo's folder")
 }
 
+/// The folder of the compiler and its libraries.
+pub fn sysroot() -> Result<PathBuf> {
+    Ok(PathBuf::from(command_output(compiler(&["--print", "sysroot"]))?.trim()))
+}
+
+/// The compiler, asked for something.
+pub fn compiler(args: &[&str]) -> Command {
+    let mut rustc = Command::new(std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()));
+    rustc.args(args).current_dir(root());
+    rustc
+}
+
 /// This computer, as the compiler calls it.
 pub fn host() -> Result<String> {
-    let mut rustc = Command::new(std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()));
-    rustc.arg("-vV").current_dir(root());
-    let said = command_output(rustc)?;
+    let said = command_output(compiler(&["-vV"]))?;
     let host = said.lines().find_map(|line| line.strip_prefix("host: "));
     Ok(host.context("rustc does not say what computer this is")?.to_owned())
 }
 
 /// The compiler's name and version.
-pub fn compiler() -> Result<String> {
-    let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-    let output = Command::new(rustc).arg("--version").current_dir(root()).output().context("cannot run rustc")?;
-    Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned())
+pub fn version_of_compiler() -> Result<String> {
+    Ok(command_output(compiler(&["--version"]))?.trim().to_owned())
 }
 
 /// Cargo in the root, as the user called it.

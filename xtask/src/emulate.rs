@@ -5,6 +5,7 @@
 
 use crate::checkout::{self, run};
 use crate::compare::check_file;
+use crate::images;
 use anyhow::Result;
 use corehbot_host::accident_args::AccidentArgs;
 use corehbot_host::stop::Stop;
@@ -123,7 +124,7 @@ fn print<const N: usize>(
     more: &[String],
 ) -> Result<()> {
     let mut command = cargo(["run"], &["--"]);
-    command.current_dir(std::env::current_dir()?).arg(checkout::build_image(board.package())?).args(file);
+    command.current_dir(std::env::current_dir()?).arg(images::build_image(board.package())?).args(file);
     command.args(["--board", board.name()]);
     for (option, path) in options {
         if let Some(path) = path {

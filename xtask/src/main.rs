@@ -13,6 +13,7 @@ mod dist;
 mod emulate;
 mod flash;
 mod image_code;
+mod images;
 mod mutants;
 mod page;
 mod picture;

@@ -2,8 +2,9 @@
 //! anything, and no step may be lost. It also cuts the power while a machine is stored, and aligns belt motors. `cargo
 //! xtask test` runs the same tests for a short time.
 
-use crate::checkout::{build_image, cargo, run};
+use crate::checkout::{cargo, run};
 use crate::emulate;
+use crate::images::build_image;
 use anyhow::Result;
 use clap::ValueEnum;
 

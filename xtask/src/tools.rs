@@ -1,11 +1,10 @@
 //! The tools: downloads missing ones on a fresh machine.
 
-use crate::checkout::{BROWSER, GUEST, TARGET, cargo, run, target_dir};
+use crate::checkout::{BROWSER, GUEST, TARGET, cargo, run, sysroot, target_dir};
 use crate::qemu::PROGRAM;
 use crate::verdict::Verdict;
 use anyhow::{Context as _, Result};
 use std::fs::File;
-use std::path::Path;
 use std::process::{Command, Stdio};
 
 /// The package that holds the emulator.
@@ -21,6 +20,7 @@ pub fn ensure() -> Result<Verdict> {
             })?;
         }
     }
+    ensure_core_source()?;
     for target in [TARGET, BROWSER, GUEST] {
         if !has_target(target)? {
             run(rustup(["target", "add", target]))
@@ -31,6 +31,15 @@ pub fn ensure() -> Result<Verdict> {
         install(PACKAGE)?;
     }
     Ok(if has_emulator() { Verdict::Passed(String::new()) } else { Verdict::Skipped(lack_of_emulator()) })
+}
+
+/// The source of the core library, which images are built with.
+pub fn ensure_core_source() -> Result<()> {
+    if sysroot()?.join("lib/rustlib/src/rust/library/core/Cargo.toml").exists() {
+        return Ok(());
+    }
+    run(rustup(["component", "add", "rust-src"]))
+        .context("the core library's source is missing; install it with: rustup component add rust-src")
 }
 
 /// Whether the emulator can be called.
@@ -73,9 +82,7 @@ fn is_root() -> bool {
 
 /// Whether the compiler has a standard library for a target, from rustup or elsewhere.
 fn has_target(target: &str) -> Result<bool> {
-    let output = Command::new("rustc").args(["--print", "sysroot"]).output().context("cannot run rustc")?;
-    let sysroot = String::from_utf8_lossy(&output.stdout);
-    Ok(Path::new(sysroot.trim()).join("lib/rustlib").join(target).is_dir())
+    Ok(sysroot()?.join("lib/rustlib").join(target).is_dir())
 }
 
 fn rustup<const N: usize>(args: [&str; N]) -> Command {

@@ -22,6 +22,7 @@ mod waits;
 use crate::build;
 use crate::checkout;
 use crate::image_code::Code;
+use crate::images;
 use crate::qemu::BOARD;
 use crate::tools;
 use crate::verdict::Verdict;
@@ -80,7 +81,7 @@ pub fn check() -> Result<Verdict> {
     if !tools::has_emulator() {
         return Ok(Verdict::Skipped(tools::lack_of_emulator()));
     }
-    let compiler = checkout::compiler()?;
+    let compiler = checkout::version_of_compiler()?;
     if !compiler.starts_with(check::COMPILER) {
         return Ok(Verdict::Skipped(format!("the figures were made by {}, and this is {compiler}", check::COMPILER)));
     }
@@ -108,9 +109,9 @@ struct Bench {
 
 impl Bench {
     fn prepare() -> Result<Self> {
-        let image = checkout::build_image(BOARD)?;
+        let image = images::build_image(BOARD)?;
         let elf = std::fs::read(&image).with_context(|| format!("cannot open {}", image.display()))?;
-        let octopus = checkout::build_image(OCTOPUS)?;
+        let octopus = images::build_image(OCTOPUS)?;
         let octopus = std::fs::read(&octopus).with_context(|| format!("cannot open {}", octopus.display()))?;
         let last_resort = build::last_resort(&octopus)?;
         let folder = checkout::target_dir()?.join("bench");

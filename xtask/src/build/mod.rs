@@ -8,6 +8,7 @@ mod sizes;
 mod step_path;
 
 use crate::checkout;
+use crate::images;
 use anyhow::{Context as _, Result, bail, ensure};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use corehbot_boards::{Entry, PACKAGES, Package, entries};
@@ -94,7 +95,7 @@ pub fn main(args: &Args) -> Result<()> {
 
 /// Builds, weighs and examines an image, and says where it is.
 pub fn image(board: Board) -> Result<Image> {
-    let elf_path = checkout::build_image(board.package.name)?;
+    let elf_path = images::build_image(board.package.name)?;
     let data = read(&elf_path)?;
     let elf = Elf::parse(&*data)?;
     examine(&elf, true)?;
@@ -110,10 +111,10 @@ pub fn image(board: Board) -> Result<Image> {
 
 /// Weighs and examines the images of all boards, which have been built.
 pub fn examine_all() -> Result<String> {
-    let boards = checkout::boards()?;
+    let boards = images::boards()?;
     for package in &boards {
         println!("\n{package}");
-        let data = read(&checkout::image(package)?)?;
+        let data = read(&images::image(package)?)?;
         // The emulator's board writes its steps into a file from the step interrupt.
         let is_flashable = package != crate::qemu::BOARD;
         examine(&Elf::parse(&*data)?, is_flashable).with_context(|| package.clone())?;

@@ -4,6 +4,7 @@ mod diff;
 mod side_by_side;
 
 use crate::checkout::{self, root, run};
+use crate::images;
 use crate::qemu::{self, BOARD, Job};
 use crate::tools;
 use crate::verdict::Verdict;
@@ -33,7 +34,7 @@ pub fn check() -> Result<Verdict> {
     if !tools::has_emulator() {
         return Ok(Verdict::Skipped(tools::lack_of_emulator()));
     }
-    let image = checkout::build_image(BOARD)?;
+    let image = images::build_image(BOARD)?;
     let simulator = checkout::build_command()?;
     let mut files = examples()?;
     let mut remark = format!("{} examples", files.len());
@@ -79,7 +80,7 @@ pub fn check_file(file: &Path, settings: Option<&Path>) -> Result<()> {
     if !tools::has_emulator() {
         bail!("{}", tools::lack_of_emulator());
     }
-    let image = checkout::build_image(BOARD)?;
+    let image = images::build_image(BOARD)?;
     compare(&image, &checkout::build_command()?, file, settings)
 }
 

@@ -15,7 +15,7 @@ pub use emulator::PROGRAM;
 pub use job::{Job, Outcome, SCALED_PATIENCE_MS, Watcher};
 pub use line::talk as converse;
 
-use crate::checkout;
+use crate::images;
 use anyhow::Result;
 use corehbot::settings::Settings;
 use corehbot::units::{Mm, TICKS_PER_SECOND};
@@ -59,7 +59,7 @@ pub fn main(args: &Args) -> Result<()> {
     let gcode = args.file.as_deref().map(read_gcode).transpose()?.unwrap_or_default();
     let patience_ms = if args.serve { SCALED_PATIENCE_MS } else { 0 };
     let job = Job { gcode, settings, start: args.assume_homed, mesh: None, patience_ms };
-    let image = checkout::build_image(BOARD)?;
+    let image = images::build_image(BOARD)?;
     let outcome = match &args.file {
         Some(_) => job.run(&image, args.trace.as_deref())?,
         None => serve(&job, &image, args)?,

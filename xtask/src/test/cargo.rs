@@ -3,6 +3,7 @@
 use super::slowest::{self, Slowest};
 use crate::checkout::{self, cargo, run, words};
 use crate::emulate::{self, WITH_PROCESSOR};
+use crate::images;
 use crate::page;
 use crate::verdict::Verdict;
 use anyhow::{Context as _, Result, bail};
@@ -48,14 +49,14 @@ pub fn document() -> Result<Verdict> {
 
 /// Core and boards, linted and built. A board that needed an allocator would not link, because there is none.
 pub fn build_boards() -> Result<Verdict> {
-    let boards = checkout::boards()?;
-    let mut lint = checkout::for_boards("clippy")?;
+    let boards = images::boards()?;
+    let mut lint = images::for_boards("clippy")?;
     lint.args(["--package", "corehbot"]);
     boards.iter().for_each(|board| _ = lint.args(["--package", board]));
     lint.args(["--", "-D", "warnings"]);
     let lint = run(lint);
     // Each by itself, as it is released: together they would be built of crates with the features of all.
-    let builds: Vec<_> = boards.iter().map(|board| checkout::build_image(board)).collect();
+    let builds: Vec<_> = boards.iter().map(|board| images::build_image(board)).collect();
     lint?;
     builds.into_iter().collect::<Result<Vec<_>>>()?;
     Ok(Verdict::Passed(boards.join(", ")))
@@ -85,8 +86,8 @@ fn lint_in_build(mut build: Command) -> Command {
 /// The tests of the emulator, which run the images of the Octopus and of the Nucleo.
 pub fn emulate() -> Result<Verdict> {
     let mut tests = emulate::cargo(["test"], &["--no-fail-fast"]);
-    tests.env("COREHBOT_ELF", checkout::build_image(emulate::Board::Octopus.package())?);
-    tests.env("COREHBOT_NUCLEO_ELF", checkout::build_image(emulate::Board::Nucleo.package())?);
+    tests.env("COREHBOT_ELF", images::build_image(emulate::Board::Octopus.package())?);
+    tests.env("COREHBOT_NUCLEO_ELF", images::build_image(emulate::Board::Nucleo.package())?);
     count_tests(tests)
 }
 

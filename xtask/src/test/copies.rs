@@ -1,6 +1,6 @@
 //! Copies, fills and comparisons of memory at each length and alignment, which the board in QEMU checks by itself.
 
-use crate::checkout;
+use crate::images;
 use crate::qemu::{BOARD, PROGRAM};
 use crate::tools::{has_emulator, lack_of_emulator};
 use crate::verdict::Verdict;
@@ -12,7 +12,7 @@ pub fn check() -> Result<Verdict> {
     if !has_emulator() {
         return Ok(Verdict::Skipped(lack_of_emulator()));
     }
-    let image = checkout::build_image(BOARD)?;
+    let image = images::build_image(BOARD)?;
     let output = Command::new(PROGRAM)
         .args(["-M", "mps2-an386", "-display", "none", "-monitor", "none", "-serial", "none"])
         .args(["-semihosting-config", "enable=on,target=native,arg=corehbot,arg=check-copies", "-kernel"])

@@ -1,7 +1,8 @@
 //! The exchanges of `tests/protocol` on the board in QEMU; the simulator has them among its own tests.
 
 use super::demand;
-use crate::checkout::{self, root};
+use crate::checkout::root;
+use crate::images;
 use crate::qemu::{BOARD, Job};
 use crate::tools::{has_emulator, lack_of_emulator};
 use crate::verdict::Verdict;
@@ -19,7 +20,7 @@ pub fn check() -> Result<Verdict> {
     if !has_emulator() {
         return Ok(Verdict::Skipped(lack_of_emulator()));
     }
-    let image = checkout::build_image(BOARD)?;
+    let image = images::build_image(BOARD)?;
     let mut passed = 0;
     let mut failures = Vec::new();
     for (name, text) in scripts(&root().join("tests/protocol")).context("cannot read the exchanges")? {

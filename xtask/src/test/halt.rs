@@ -1,6 +1,6 @@
 //! M112 on the board in QEMU: the time from its last byte to the last step, while it steps as fast as it can.
 
-use crate::checkout;
+use crate::images;
 use crate::qemu::{BOARD, Job};
 use crate::tools::{has_emulator, lack_of_emulator};
 use crate::verdict::Verdict;
@@ -21,7 +21,7 @@ pub fn check() -> Result<Verdict> {
     if !has_emulator() {
         return Ok(Verdict::Skipped(lack_of_emulator()));
     }
-    let image = checkout::build_image(BOARD)?;
+    let image = images::build_image(BOARD)?;
     let mut worst = f64::MIN;
     for moment in MOMENTS {
         let late = stop(&image, moment)?;

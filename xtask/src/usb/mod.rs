@@ -13,8 +13,9 @@
 mod archive;
 mod packages;
 
-use crate::checkout::{self, GUEST, root, run, target_dir};
+use crate::checkout::{GUEST, root, run, target_dir};
 use crate::emulate;
+use crate::images;
 use crate::verdict::Verdict;
 use anyhow::{Context as _, Result, bail, ensure};
 use archive::Archive;
@@ -93,7 +94,7 @@ fn print(text: &str) -> Result<Verdict> {
     let (file, machine) = (folder.join("print.gcode"), folder.join("machine.toml"));
     fs::write(&file, text)?;
     fs::write(&machine, MACHINE)?;
-    let image = checkout::build_image("corehbot-octopus")?;
+    let image = images::build_image("corehbot-octopus")?;
     let mut build = emulate::cargo(["build"], &["--quiet"]);
     build.current_dir(root());
     run(build)?;
