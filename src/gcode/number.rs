@@ -115,7 +115,7 @@ impl fmt::Debug for Number {
 
 impl From<i32> for Number {
     fn from(int: i32) -> Self {
-        Self::saturating(I32F32::from_num(int))
+        Self::saturating(I32F32::from_bits(i64::from(int) << 32))
     }
 }
 

@@ -47,6 +47,7 @@
 //! |---|---|
 //! | `mod` | the quantities, one type for each unit |
 //! | `quantity` | the operations that all quantities have |
+//! | `plain` | from and to numbers without a unit |
 //! | `length` | lengths of paths |
 //! | `resolution` | between millimetres and steps, and their rates |
 //! | `speed_sq` | squares of speeds, for ramps and corners |
@@ -56,6 +57,7 @@
 
 mod lags;
 mod length;
+mod plain;
 mod quantity;
 mod resolution;
 mod speed_sq;
@@ -64,6 +66,7 @@ mod wide;
 
 pub use lags::{part_per_period, periods_in};
 pub use length::Length;
+pub use plain::PlainNumber;
 pub use quantity::Quantity;
 pub use resolution::StepRate;
 pub use speed_sq::SpeedSq;
@@ -102,7 +105,7 @@ impl Steps {
     #[must_use]
     #[inline(always)]
     pub fn wrapping_from_num(count: i64) -> Self {
-        Self(I32F32::wrapping_from_num(count))
+        Self::from_bits(count << Self::FRAC_NBITS)
     }
 
     /// The opposite, which wraps.

@@ -78,29 +78,33 @@ macro_rules! quantity {
             /// The value of a plain number, which must be in the range.
             #[must_use]
             #[inline(always)]
-            pub fn from_num<N: fixed::traits::ToFixed>(number: N) -> Self {
-                Self(<$number>::from_num(number))
+            pub fn from_num<N: $crate::units::PlainNumber>(number: N) -> Self {
+                Self::saturating_from_num(number)
             }
 
             /// The value of a plain number, or the end of the range.
             #[must_use]
             #[inline(always)]
-            pub fn saturating_from_num<N: fixed::traits::ToFixed>(number: N) -> Self {
-                Self(<$number>::saturating_from_num(number))
+            pub fn saturating_from_num<N: $crate::units::PlainNumber>(number: N) -> Self {
+                let parts = number.to_parts(Self::FRAC_NBITS);
+                Self::from_bits(<$bits as $crate::units::plain::Bits>::saturating(parts))
             }
 
             /// The value of a plain number, if it is in the range.
             #[must_use]
             #[inline(always)]
-            pub fn checked_from_num<N: fixed::traits::ToFixed>(number: N) -> Option<Self> {
-                <$number>::checked_from_num(number).map(Self)
+            pub fn checked_from_num<N: $crate::units::PlainNumber>(number: N) -> Option<Self> {
+                let parts = number.to_parts(Self::FRAC_NBITS);
+                let bits = <$bits as $crate::units::plain::Bits>::saturating(parts);
+                let is_within = i64::from(bits) == parts && parts != i64::MAX && parts != i64::MIN;
+                is_within.then_some(Self::from_bits(bits))
             }
 
             /// The plain number of units.
             #[must_use]
             #[inline(always)]
-            pub fn to_num<N: fixed::traits::FromFixed>(self) -> N {
-                self.0.to_num()
+            pub fn to_num<N: $crate::units::PlainNumber>(self) -> N {
+                N::of_parts(i64::from(self.to_bits()), Self::FRAC_NBITS)
             }
 
             /// The sum, within the range.

@@ -62,7 +62,7 @@ pub(in crate::machine) async fn end_job<P: PortSet, W: Pend>(
     if !keeps_heat {
         main_loop.heat.switch_off(&main_loop.settings.thermal);
     }
-    let is_wanted = why == JobEnd::Cancelled;
+    let is_wanted = matches!(why, JobEnd::Cancelled);
     // A command that was cancelled may belong to the start of a print, which is not known from its lines.
     let is_command = main_loop.hosts.owes_ok() && !main_loop.job.is_ended();
     let is_print = !is_wanted || main_loop.job.is_under_way() || is_command;
@@ -139,7 +139,7 @@ pub(in crate::machine) fn refuse<P: PortSet, W: Pend>(
         return None;
     }
     // Which lines would run, the condition has decided: none does.
-    let is_by_condition = main_loop.job.why_it_ends() == JobEnd::Conditional;
+    let is_by_condition = matches!(main_loop.job.why_it_ends(), JobEnd::Conditional);
     let heats = |target: Option<Number>| target.is_some_and(|target| target > Number::ZERO);
     let is_of_print = match *command {
         Command::Job(JobCommand::Continue) => {

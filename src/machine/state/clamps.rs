@@ -347,7 +347,7 @@ impl Clamps {
         let [least, most] = [range.least, range.most].map(I32F32::from);
         let old = old.map(I32F32::from);
         let asked = Asked::new(word, asked, wanted, wanted);
-        self.judge(&asked, Range { least, most }, old, &|told| told).map(|legal| legal.to_num())
+        self.judge(&asked, Range { least, most }, old, &|told| told).map(|legal| (legal.to_bits() >> 32) as u16)
     }
 
     /// The same, put into its place if it is not refused.
