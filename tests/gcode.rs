@@ -2,12 +2,11 @@
 
 use crate::support::bodies;
 use crate::support::print::{Printed, reduced};
-use corehbot::connectors::Heater;
 use corehbot::gcode::{
-    AxisFlags, AxisWords, Command, HeatCommand, HomeWords, MotionCommand, MotorCommand, Number, RefusedCommand,
-    ReportCommand, names,
+    AxisFlags, AxisWords, Command, Flaw, HomeWords, MotionCommand, MotorCommand, Number, Part, RefusedCommand,
+    ReportCommand,
 };
-use corehbot::machine::{codes, parse};
+use corehbot::machine::{codes, names, parse};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 
@@ -289,19 +288,48 @@ fn an_exponent_is_an_extruder_word() {
     assert_eq!((to.x, to.e), (Some(Number::from(1)), Some(Number::from(5))));
 }
 
+/// The same as in `gcode::index`, of commands in the machine's own table.
+#[test]
+fn words_for_parts_that_are_not_there_are_known_by_name() {
+    for (line, part, which) in [
+        ("M104 T1 S200", Part::Tool, "1"),
+        ("M104 I1", Part::Preset, "1"),
+        ("M109 S200 T2", Part::Tool, "2"),
+        ("M106 I1", Part::Preset, "1"),
+        ("M140 P1 S60", Part::Bed, "1"),
+        ("M190 H0 S60", Part::Heater, "0"),
+        ("M141 P1 S60", Part::Chamber, "1"),
+        ("M303 T1 S200", Part::Tool, "1"),
+        ("M116 P1", Part::Tool, "1"),
+    ] {
+        let Command::Malformed(Flaw::Absent(absent)) = parse(line.as_bytes()) else { panic!("{line}") };
+        assert_eq!((absent.part, absent.which), (part, which.as_bytes()), "{line}");
+    }
+    for line in ["M104 T0 S200", "M109 S200 T0", "M106 P3 S100", "M140 P0 S60", "M141 P0 S40", "M303 E-1 S60", "M306 T"]
+    {
+        assert!(matches!(parse(line.as_bytes()), Command::Own(_)), "{line}");
+    }
+    for (line, letter) in
+        [("M104 T", b'T'), ("M106 P", b'P'), ("M190 R", b'R'), ("M303 C", b'C'), ("M306 H", b'H'), ("M107 P", b'P')]
+    {
+        assert_eq!(parse(line.as_bytes()), Command::Malformed(Flaw::NoNumber(letter)), "{line}");
+    }
+    let key = |line: &'static str| match parse(line.as_bytes()) {
+        Command::Malformed(Flaw::Absent(absent)) => absent.key(),
+        other => panic!("{line}: {other:?}"),
+    };
+    let keys: BTreeSet<u32> = ["M104 T1", "M104 I1", "M140 I1", "M203 T1"].map(key).into();
+    assert_eq!(keys.len(), 4);
+}
+
 #[test]
 fn custom_code_of_real_profiles() {
     let e_zero =
         Command::Motion(MotionCommand::SetPosition(AxisWords { e: Some(Number::ZERO), ..AxisWords::default() }));
     let x_and_y = AxisFlags { x: true, y: true, ..AxisFlags::default() };
-    let heater = Heater::Hotend;
     for (line, expected) in [
         ("G92 E0; G1 E-10 F1200", e_zero),
         ("G90;", Command::Motion(MotionCommand::Absolute)),
-        (
-            "M109 S205;",
-            Command::Heat(HeatCommand::HeaterWait { heater, target: Some(Number::from(205)), cools: false }),
-        ),
         ("G4 ; wait", Command::Motion(MotionCommand::Dwell { ms: 0 })),
         ("G28 X0 Y0", Command::Motion(MotionCommand::Home(HomeWords { axes: x_and_y, ..HomeWords::default() }))),
         ("G28 W", Command::Motion(MotionCommand::Home(HomeWords { drops_mesh: true, ..HomeWords::default() }))),
@@ -314,8 +342,6 @@ fn custom_code_of_real_profiles() {
         ("M486 ACube (1)*", Command::Silent),
         ("EXCLUDE_OBJECT_START NAME=cube", Command::Silent),
         ("M117 E5 * ; x", Command::Report(ReportCommand::Message)),
-        ("M400 U1", Command::Motion(MotionCommand::Finish)),
-        ("M106 S91.8", Command::Heat(HeatCommand::FanSpeed { fan: 0, speed: read("91.8") })),
         ("T0", Command::Motion(MotionCommand::Tool)),
     ] {
         assert_eq!(parse(line.as_bytes()), expected, "{line}");

@@ -2,8 +2,8 @@
 //! and `machine::commands::table` (`BLESS=1` writes them); every fault has a row.
 
 use corehbot::fault::{Cause, Fault};
-use corehbot::gcode::{Command, Flaw, Treatment, names};
-use corehbot::machine::{described, parse};
+use corehbot::gcode::{Command, Flaw, Treatment};
+use corehbot::machine::{described, names, parse};
 use corehbot::settings::plain;
 use corehbot::settings::table::described as settings;
 use std::collections::BTreeMap;

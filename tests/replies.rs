@@ -70,6 +70,20 @@ fn a_dialogue_that_does_not_fit_leaves_nothing() {
 }
 
 #[test]
+fn a_line_that_goes_ahead_finds_room_in_full_replies() {
+    let mut replies = Replies::new();
+    replies.line(format_args!("{}", "x".repeat(CAPACITY - 1))).unwrap();
+    assert_eq!(replies.ok(), Err(NoRoom));
+    replies.go_ahead(true);
+    assert_eq!(replies.line(format_args!("{}", "x".repeat(CAPACITY))), Err(NoRoom));
+    replies.ok().unwrap();
+    replies.go_ahead(false);
+    assert_eq!((replies.ok(), replies.room()), (Err(NoRoom), 0));
+    assert!(drain(&mut replies).ends_with("x\nok\n"));
+    assert_eq!(replies.room(), CAPACITY);
+}
+
+#[test]
 fn lines_survive_the_end_of_the_ring() {
     let mut replies = Replies::new();
     for n in 0..500 {

@@ -21,15 +21,15 @@ mod parse;
 mod parts;
 
 pub use commands::{
-    BedCommand, Command, Example, Forgets, Grammar, HeatCommand, JobCommand, Line, MotionCommand, MotorCommand, Nature,
-    OwnCommand, OwnEntry, OwnRow, ProbeCommand, RefusedCommand, ReportCommand, ResonanceCommand, SettingCommand,
-    ShaperName, Text, Treatment, codes, described, names, places,
+    BedCommand, Command, Example, Forgets, Grammar, JobCommand, Line, MotionCommand, MotorCommand, Nature, OwnCommand,
+    OwnEntry, OwnRow, ProbeCommand, RefusedCommand, ReportCommand, ResonanceCommand, SettingCommand, ShaperName, Text,
+    Treatment, codes, described, names, places,
 };
 pub use index::{Absent, Named, Part};
 pub use number::Number;
 pub use parse::{parse, parse_with};
 pub use parts::{
     ArcShape, ArcWords, Audience, AxisFlags, AxisWords, Flaw, Form, GridWords, HomeWords, LevelWords, LevellingWords,
-    MachineRecord, MeshPoint, ModelWords, OffsetWords, ParkWords, PlainWords, Plane, PointWords, ShaperWords,
-    SweepAxis, SweepWords, TuningWords, VelocityWords,
+    MachineRecord, MeshPoint, OffsetWords, ParkWords, PlainWords, Plane, PointWords, ShaperWords, SweepAxis,
+    SweepWords, TuningWords, VelocityWords,
 };

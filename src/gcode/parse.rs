@@ -9,7 +9,7 @@
 use super::code::Code;
 use super::commands::grammar::in_order;
 use super::commands::motion::line;
-use super::commands::own::{OwnRow, own_of_code};
+use super::commands::own::{OwnRow, own_of_code, own_of_name};
 use super::commands::table::{row_of, row_of_name};
 use super::commands::{Command, RefusedCommand};
 use super::lexer::{is_outside, skip_blanks, skip_past};
@@ -36,7 +36,7 @@ pub fn parse_with<'a>(own: &'static [OwnRow], line: &'a [u8]) -> Command<'a> {
         Some((code @ Code { letter: b'G', subcode: 0, number: 0 | 1 }, words)) => return self::line(code, words),
         Some((code, words)) => parse_code(own, code, words),
         None if is_comment(line, text) => Some(Command::Silent),
-        None => parse_named(text),
+        None => parse_named(own, text),
     };
     known.unwrap_or_else(|| Command::Unknown(trim(line)))
 }
@@ -53,7 +53,7 @@ fn parse_code<'a>(own: &'static [OwnRow], code: Code, words: &'a [u8]) -> Option
 }
 
 /// The command of a name, or `None` if it is not known. `text` is the whole line.
-fn parse_named(text: &[u8]) -> Option<Command<'_>> {
+fn parse_named<'a>(own: &'static [OwnRow], text: &'a [u8]) -> Option<Command<'a>> {
     let text = skip_blanks(text);
     // The subroutines and loops of LinuxCNC (`O100`) are unknown: a line number with one wrong bit looks like that.
     if is_condition(text) {
@@ -69,7 +69,10 @@ fn parse_named(text: &[u8]) -> Option<Command<'_>> {
     if matches!(after, [b'0'..=b'9', ..]) {
         return None;
     }
-    (row_of_name(name)?.read)(0, after)
+    match row_of_name(name) {
+        Some(row) => (row.read)(0, after),
+        None => own_of_name(own, name, after),
+    }
 }
 
 /// Whether a line is a condition or a loop of a template that a slicer (`{if x}`, `[if x]`) or Klipper (`{% if x %}`)

@@ -321,25 +321,6 @@ pub struct VelocityWords<'a> {
     pub other: Option<&'a [u8]>,
 }
 
-/// The words of M306, in Marlin's letters and one of our own.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub struct ModelWords {
-    /// P: the heater's power, W.
-    pub power: Option<Number>,
-    /// C: heat that warms the block, J/K.
-    pub capacity: Option<Number>,
-    /// A: heat lost to the room, W/K.
-    pub loss: Option<Number>,
-    /// F: the same with the part fan at full speed, W/K.
-    pub fan_loss: Option<Number>,
-    /// R: how fast the sensor follows, 1/s.
-    pub responsiveness: Option<Number>,
-    /// L: time constant from the heater to the block, s.
-    pub heater_lag: Option<Number>,
-    /// H: heat that filament takes, J/(K mm).
-    pub filament: Option<Number>,
-}
-
 /// The words of G2, G3.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct ArcWords {

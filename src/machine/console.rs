@@ -118,7 +118,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                 main_loop.hosts.switch_to(host);
                 main_loop.reply(Answer::Start).await?;
                 if let Some(why) = main_loop.power.refusal() {
-                    main_loop.reply(Answer::NoMachine(why)).await?;
+                    main_loop.say(text!("echo:{why}; no motor gets power"));
                 }
                 main_loop.reply(found).await?;
                 main_loop.reply(mesh).await?;
@@ -180,7 +180,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
                 Asked::Resend(reason, last) => Answer::Resend(reason, last),
             };
             if let Some(lines) = main_loop.hosts.upload_given_up() {
-                main_loop.reply(Answer::UploadEnded(lines)).await?;
+                main_loop.tell(Answer::UploadEnded(lines));
             }
             if let Answer::Kept = answer {
                 kept_text.clone_from(&text);
@@ -202,9 +202,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
         end_measuring(main_loop).await?;
         end_touch(main_loop).await?;
         if main_loop.homed.stop() {
-            main_loop
-                .reply(Answer::Line(packed!("echo:homing was interrupted, the position of the axis is unknown")))
-                .await?;
+            main_loop.say(text!("echo:homing was interrupted, the position of the axis is unknown"));
         }
         if main_loop.job.take_cancel() {
             apart(pin!(end_job(main_loop, &mut states.modal, JobEnd::Cancelled))).await?;

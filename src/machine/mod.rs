@@ -59,6 +59,6 @@ mod reports;
 mod resonance;
 mod state;
 
-pub use commands::table::{codes, described, examples, parse};
+pub use commands::table::{codes, described, examples, names, parse};
 pub use console::{Console, PortSet, Ports};
 pub use interrupt::Restart;

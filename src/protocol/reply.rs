@@ -7,7 +7,8 @@
 //! Hosts act on the beginning of a line, and on some words anywhere in it. The fixed texts here avoid every such word
 //! that is not meant; a test checks this.
 //!
-//! Full: [`NoRoom`], nothing is written, the caller tries again later. Empty: nothing is sent.
+//! Full: [`NoRoom`], nothing is written, the caller tries again later. Empty: nothing is sent. Lines that a command
+//! says on its way go ahead of that ([`Replies::go_ahead`]): they always find room, so nothing waits for it.
 
 use core::fmt::{self, Write};
 
@@ -17,6 +18,10 @@ use super::numbering::ResendReason;
 
 /// Bytes held: 178 ms at 115200 baud, several times the reply to M115.
 const CAPACITY: usize = 2048;
+
+/// Bytes held beyond that, for lines that go ahead: eight values out of range with their hints, and more than any other
+/// command says on its way.
+const AHEAD: usize = 1024;
 
 /// Sent while a line is being carried out. A host that reads `busy:` keeps waiting.
 pub const BUSY: &str = "echo:busy: processing";
@@ -45,7 +50,9 @@ impl core::error::Error for NoRoom {}
 
 /// Lines on their way to the host.
 pub struct Replies {
-    bytes: Deque<u8, CAPACITY>,
+    bytes: Deque<u8, { CAPACITY + AHEAD }>,
+    /// How many of them lines may fill.
+    limit: usize,
 }
 
 impl Default for Replies {
@@ -58,7 +65,12 @@ impl Replies {
     /// Nothing to send.
     #[must_use]
     pub const fn new() -> Self {
-        Self { bytes: Deque::new() }
+        Self { bytes: Deque::new(), limit: CAPACITY }
+    }
+
+    /// Whether lines go ahead from now on: into the room that is kept for them.
+    pub const fn go_ahead(&mut self, may: bool) {
+        self.limit = if may { CAPACITY + AHEAD } else { CAPACITY };
     }
 
     /// Adds one line and its line end. Control characters become `?`, line ends too.
@@ -93,7 +105,7 @@ impl Replies {
     /// Bytes that may be added.
     #[must_use]
     pub const fn room(&self) -> usize {
-        self.bytes.capacity() - self.bytes.len()
+        self.limit.saturating_sub(self.bytes.len())
     }
 
     /// `ok`: the line was accepted.
@@ -234,13 +246,14 @@ impl Replies {
         })
     }
 
-    /// Runs `write`, and undoes it if it fails.
+    /// Runs `write`, and undoes it if it fails or needs more room than there is.
     fn whole(&mut self, write: impl FnOnce(&mut Self) -> fmt::Result) -> Result<(), NoRoom> {
         let length = self.bytes.len();
-        write(self).map_err(|fmt::Error| {
-            self.bytes.truncate(length);
-            NoRoom
-        })
+        if write(self).is_ok() && self.bytes.len() <= self.limit {
+            return Ok(());
+        }
+        self.bytes.truncate(length);
+        Err(NoRoom)
     }
 
     fn append(&mut self, args: fmt::Arguments<'_>) -> fmt::Result {
@@ -250,7 +263,7 @@ impl Replies {
 }
 
 /// A line being written.
-struct Line<'a>(&'a mut Deque<u8, CAPACITY>);
+struct Line<'a>(&'a mut Deque<u8, { CAPACITY + AHEAD }>);
 
 impl Write for Line<'_> {
     fn write_str(&mut self, text: &str) -> fmt::Result {

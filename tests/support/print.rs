@@ -8,14 +8,13 @@ use bed::{bed, level, probe};
 use core::fmt::{self, Display, Formatter};
 
 use corehbot::gcode::{
-    ArcShape, ArcWords, Audience, Command, Form, HeatCommand, HomeWords, JobCommand, MachineRecord, MotionCommand,
-    MotorCommand, Number, ParkWords, PlainWords, RefusedCommand, ReportCommand, ResonanceCommand, SettingCommand,
-    ShaperWords, TuningWords,
+    ArcShape, ArcWords, Audience, Command, Form, HomeWords, JobCommand, MachineRecord, MotionCommand, MotorCommand,
+    Number, ParkWords, PlainWords, RefusedCommand, ReportCommand, ResonanceCommand, SettingCommand, ShaperWords,
 };
 use corehbot::settings::plain::letters;
 use flaws::malformed;
 pub use words::reduced;
-use words::{axes, axis_line, decimals_of, flags, index, padded, parked, switch, velocity_limit, word, write_text};
+use words::{axes, axis_line, decimals_of, flags, padded, parked, switch, velocity_limit, word, write_text};
 
 /// A command to be printed. One that represents a whole family is printed as one of it: M74 for silent ones. A line
 /// that is not in order is printed as one with the same flaw. In a text, `?` stands for every byte that is neither
@@ -30,12 +29,13 @@ impl Display for Printed<'_> {
             Command::Motion(command) => motion(f, command, self.1),
             Command::Motor(command) => motor(f, command, self.1),
             Command::Setting(command) => setting(f, command, self.1),
-            Command::Heat(command) => heat(f, command, self.1),
             Command::Job(command) => job(f, command, self.1),
             Command::Probe(command) => probe(f, command, self.1),
             Command::Bed(command) => bed(f, command, self.1),
             Command::Resonance(command) => resonance(f, command, self.1),
             Command::Report(command) => report(f, command, self.1),
+            // The only name.
+            Command::Own(command) if command.code() == 0 => f.write_str("SELF_TEST"),
             Command::Own(_) => reduced(f, self.1),
             Command::Refused(command) => refused(f, command),
             Command::Malformed(flaw) => malformed(f, flaw),
@@ -96,7 +96,6 @@ fn motion(f: &mut Formatter<'_>, command: MotionCommand, line: &[u8]) -> fmt::Re
         MotionCommand::FeedPercent(percent) => switch(f, "M220", percent),
         MotionCommand::BackUpFeedPercent => f.write_str("M220 B"),
         MotionCommand::RestoreFeedPercent => f.write_str("M220 R"),
-        MotionCommand::Finish => f.write_str("M400"),
         MotionCommand::Babystep { by, is_kept } => {
             f.write_str("M290")?;
             word(f, 'Z', by)?;
@@ -169,45 +168,6 @@ fn setting(f: &mut Formatter<'_>, command: SettingCommand<'_>, line: &[u8]) -> f
         SettingCommand::MachineRecord(MachineRecord::Put { at, hex }) => {
             write!(f, "MACHINE_PUT AT={at} HEX=")?;
             write_text(f, hex)
-        }
-        _ => reduced(f, line),
-    }
-}
-
-fn heat(f: &mut Formatter<'_>, command: HeatCommand, line: &[u8]) -> fmt::Result {
-    match command {
-        HeatCommand::ReportTemperatures => f.write_str("M105"),
-        HeatCommand::HeaterTarget { heater, target } => {
-            f.write_str(["M104", "M140", "M141"][heater as usize])?;
-            word(f, 'S', target)
-        }
-        HeatCommand::HeaterWait { heater, target, cools } => {
-            f.write_str(["M109", "M190", "M191"][heater as usize])?;
-            word(f, if cools { 'R' } else { 'S' }, target)
-        }
-        HeatCommand::AwaitHeaters => f.write_str("M116"),
-        HeatCommand::FanSpeed { fan, speed } => write!(f, "M106 P{fan} S{speed}"),
-        HeatCommand::TuneHeater(TuningWords { heater, target, cycles, applies }) => {
-            write!(f, "M303 {}", index(heater))?;
-            word(f, 'S', target)?;
-            word(f, 'C', cycles)?;
-            f.write_str(if applies { " U1" } else { "" })
-        }
-        HeatCommand::SelfTest => f.write_str("SELF_TEST"),
-        HeatCommand::HeaterModel { heater, is_named, words } => {
-            write!(f, "M306 {}", if is_named { index(heater) } else { "" })?;
-            for (letter, number) in [
-                ('P', words.power),
-                ('C', words.capacity),
-                ('A', words.loss),
-                ('F', words.fan_loss),
-                ('R', words.responsiveness),
-                ('L', words.heater_lag),
-                ('H', words.filament),
-            ] {
-                word(f, letter, number)?;
-            }
-            Ok(())
         }
         _ => reduced(f, line),
     }

@@ -151,7 +151,7 @@ fn cancel(life: &mut Life<'_>, line: &str, at_ms: u64) {
 
 fn every_wait_is_cancelled(kind: ProbeKind) {
     let (s, bed) = machine(kind);
-    let lines = ROWS.iter().map(|(line, _)| *line).chain(LONGER);
+    let lines = ROWS.iter().copied().chain(examples()).map(|(line, _)| line).chain(LONGER);
     let lines: Vec<_> = lines.filter(|line| !URGENT.contains(&line.split(' ').next().unwrap())).collect();
     let waits: Vec<_> = lines.into_par_iter().filter_map(|line| Some((line, wait_of(&s, &bed, line)?))).collect();
     for code in ["G4", "G28", "G29", "G30", "G34", "G35", "M0", "M25", "M48", "M84", "M109", "M190", "M303", "M400"] {

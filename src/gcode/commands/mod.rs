@@ -2,7 +2,8 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | [`motion`], [`jobs`], [`heat`], [`settings`], [`motors`] | a family: type, rows and readers |
+//! | [`motion`], [`jobs`], [`settings`], [`motors`] | a family: type, rows and readers |
+//! | [`heat`] | rows about heat of other families |
 //! | [`probing`], [`bed`], [`resonance`], [`reports`] | the same |
 //! | [`refused`], [`silent`] | the same for commands that are not carried out |
 //! | [`offset`] | words of the offsets of z, for [`motion`] |
@@ -33,7 +34,6 @@ pub(super) mod table;
 use super::parts::Flaw;
 pub use bed::{BedCommand, Forgets, places};
 pub use grammar::Grammar;
-pub use heat::HeatCommand;
 pub use jobs::JobCommand;
 pub use motion::MotionCommand;
 pub use motors::MotorCommand;
@@ -59,8 +59,6 @@ pub enum Command<'a> {
     Motion(MotionCommand),
     /// Jobs, pauses and waits.
     Job(JobCommand<'a>),
-    /// Heaters and fans.
-    Heat(HeatCommand),
     /// Settings, and where they are kept.
     Setting(SettingCommand<'a>),
     /// Motors, their drivers and belts.

@@ -55,8 +55,6 @@ pub enum MotionCommand {
     AbsoluteExtrusion,
     /// M83: E is relative.
     RelativeExtrusion,
-    /// M400: wait until all motion is done.
-    Finish,
     /// M410: stop the motion now and drop all queued moves.
     QuickStop,
     /// M220: feed override in percent, or report.
@@ -123,9 +121,6 @@ pub(super) const ROWS: &[Described] = &[
     })
     .grammar(WORDS)
     .does("", "E absolute, relative"),
-    Described::m(&[400], |_, _| motion(MotionCommand::Finish))
-        .grammar(WORDS)
-        .does("", "waits until the motion has ended"),
     // It must act in any case.
     Described::m(&[410], |_, _| motion(MotionCommand::QuickStop))
         .does("", "brakes along the path and drops queued moves; acts at once"),

@@ -24,6 +24,10 @@ pub enum Nature {
     Mode,
     /// It moves, heats or waits. It is refused after the firmware has ended a print.
     Work,
+    /// It sets the target of a heater by S or R, and is `Work` if that is above 0. It is carried out in any other case.
+    Heat,
+    /// It is `Work` with T, and `Aside` without.
+    WorkWithT,
 }
 
 /// The part of a row that the firmware needs.
@@ -66,6 +70,12 @@ impl OwnEntry {
     #[must_use]
     pub const fn m(family: &'static str, numbers: &'static [u16]) -> Self {
         Self::new(family, Begin::Code(b'M', numbers))
+    }
+
+    /// Names of the family with this heading in docs/reference/gcode.md.
+    #[must_use]
+    pub const fn name(family: &'static str, names: &'static [&'static str]) -> Self {
+        Self::new(family, Begin::Name(names))
     }
 
     /// What it is for a print, if it is more than [`Nature::Aside`].
@@ -206,6 +216,12 @@ impl PartialEq for OwnCommand<'_> {
 }
 
 impl Eq for OwnCommand<'_> {}
+
+/// The command of a name in such a table, with the text behind it.
+pub(in crate::gcode) fn own_of_name<'a>(rows: &'static [OwnRow], name: &[u8], text: &'a [u8]) -> Option<Command<'a>> {
+    let place = rows.iter().position(|row| row.begin.is_name(name))?;
+    Some(Command::Own(OwnCommand { row: rows.get(place)?, place, code: 0, text }))
+}
 
 /// The command of a code in such a table.
 pub(in crate::gcode) fn own_of_code<'a>(rows: &'static [OwnRow], code: Code, text: &'a [u8]) -> Option<Command<'a>> {

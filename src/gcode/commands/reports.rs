@@ -24,6 +24,8 @@ pub enum ReportCommand<'a> {
         /// The message as it came.
         text: &'a [u8],
     },
+    /// M105: report temperatures.
+    Temperatures,
     /// M119: report the endstops.
     ReportEndstops,
     /// M122: report the state of the machine's parts.

@@ -10,6 +10,7 @@
 use super::Command;
 use super::grammar::{Grammar, Letters};
 use crate::gcode::code::Code;
+use crate::text::is_word;
 
 /// Reads the words after a code with that number (0 for a name). `None` if the whole line is unknown.
 pub(super) type Read = for<'a> fn(u16, &'a [u8]) -> Option<Command<'a>>;
@@ -34,6 +35,14 @@ impl Begin {
                     && (code.subcode == 0 || letters.takes_subcodes())
             }
             Self::Name(_) => false,
+        }
+    }
+
+    /// Whether it is one of its names.
+    pub(super) fn is_name(&self, name: &[u8]) -> bool {
+        match self {
+            Self::Name(names) => names.iter().any(|known| is_word(name, known.as_bytes())),
+            Self::Code(..) => false,
         }
     }
 

@@ -1,9 +1,8 @@
 //! The table of all codes and names: the rows of each family, in one order.
 
-use super::row::{Begin, Described, Row, Text};
+use super::row::{Described, Row, Text};
 use super::{bed, heat, jobs, motion, motors, offset, probing, refused, reports, resonance, settings, silent};
 use crate::gcode::code::Code;
-use crate::text::is_word;
 
 /// The families with their headings in docs/reference/gcode.md. Arcs are frequent, so their family is the first.
 const FAMILIES: [(&str, &[Described]); 12] = [
@@ -53,10 +52,7 @@ pub(in crate::gcode) fn row_of(code: Code) -> Option<&'static Row> {
 
 /// The row of a name.
 pub(in crate::gcode) fn row_of_name(name: &[u8]) -> Option<&'static Row> {
-    ROWS.iter().find(|row| match row.begin {
-        Begin::Name(names) => names.iter().any(|known| is_word(name, known.as_bytes())),
-        Begin::Code(..) => false,
-    })
+    ROWS.iter().find(|row| row.begin.is_name(name))
 }
 
 /// The names that are known.

@@ -3,10 +3,9 @@
 extern crate std;
 
 use super::*;
-use crate::connectors::Heater;
 use crate::gcode::number::Number;
 use crate::gcode::parse::parse;
-use crate::gcode::parts::{AxisFlags, ModelWords, ParkWords, PlainWords, TuningWords};
+use crate::gcode::parts::{AxisFlags, ParkWords, PlainWords};
 use crate::settings::plain::MOST_WORDS;
 
 /// The command of a code with numbers for its first settings.
@@ -22,8 +21,6 @@ fn a_t_word_is_not_a_tool_change() {
     let expected = plain(204, [five_hundred, None, five_hundred]);
     assert_eq!(parse(b"M204 P500 T500"), expected);
     assert_eq!(parse(b"M204 S500"), expected);
-    let target = Some(Number::from(200));
-    assert_eq!(parse(b"M104 T0 S200"), Command::Heat(HeatCommand::HeaterTarget { heater: Heater::Hotend, target }));
 }
 
 #[test]
@@ -108,51 +105,6 @@ fn quiet_commands_swallow_any_text() {
 }
 
 #[test]
-fn heaters_and_fans() {
-    let number = |text: &str| Number::read(text.as_bytes()).map(|(number, _)| number);
-    let wait = |heater, target, cools| Command::Heat(HeatCommand::HeaterWait { heater, target, cools });
-    assert_eq!(parse(b"M109 S205;"), wait(Heater::Hotend, number("205"), false));
-    assert_eq!(parse(b"M190 R60"), wait(Heater::Bed, number("60"), true));
-    assert_eq!(parse(b"M191 R40 S50"), wait(Heater::Chamber, number("50"), false));
-    let chamber = Command::Heat(HeatCommand::HeaterTarget { heater: Heater::Chamber, target: number("45") });
-    assert_eq!(parse(b"M141 S45"), chamber);
-    assert_eq!(parse(b"M109"), wait(Heater::Hotend, None, false));
-    let fan = |fan, speed| Command::Heat(HeatCommand::FanSpeed { fan, speed: number(speed).unwrap() });
-    for (line, expected) in [
-        ("M106", fan(0, "255")),
-        ("M106 S91.8", fan(0, "91.8")),
-        ("M106 P2 S0", fan(2, "0")),
-        ("M106 P-1", fan(255, "255")),
-        ("M107 P3 S9", fan(3, "0")),
-    ] {
-        assert_eq!(parse(line.as_bytes()), expected, "{line}");
-    }
-    let tune = |heater, target, cycles, applies| {
-        Command::Heat(HeatCommand::TuneHeater(TuningWords { heater, target, cycles, applies }))
-    };
-    assert_eq!(parse(b"M303 E-1 S60 C8 U"), tune(Some(Heater::Bed), number("60"), number("8"), true));
-    assert_eq!(parse(b"M303 E-2 S45"), tune(Some(Heater::Chamber), number("45"), None, false));
-    assert_eq!(parse(b"M303 E7 U0"), tune(None, None, None, false));
-    assert_eq!(parse(b"M116"), Command::Heat(HeatCommand::AwaitHeaters));
-    assert_eq!(parse(b"M306 T"), tune(Some(Heater::Hotend), None, None, true));
-    let words = ModelWords { loss: number(".07"), ..ModelWords::default() };
-    for (line, heater, is_named) in [
-        ("M306 A.07", Heater::Hotend, false),
-        ("M306 E0 A.07", Heater::Hotend, true),
-        ("M306 E-1 A.07", Heater::Bed, true),
-    ] {
-        assert_eq!(
-            parse(line.as_bytes()),
-            Command::Heat(HeatCommand::HeaterModel { heater: Some(heater), is_named, words }),
-            "{line}"
-        );
-    }
-    for line in ["M104 S", "M109 Snan", "M190 Rinf", "M106 P", "M301 P I1", "M303 Cx", "M306 A", "M140 S1,5"] {
-        assert!(matches!(parse(line.as_bytes()), Command::Malformed(_)), "{line}");
-    }
-}
-
-#[test]
 fn every_code_has_its_command() {
     let one = Some(Number::from(1));
     let no_flags = AxisFlags::default();
@@ -170,7 +122,7 @@ fn every_code_has_its_command() {
         ("M82", Command::Motion(MotionCommand::AbsoluteExtrusion)),
         ("M83", Command::Motion(MotionCommand::RelativeExtrusion)),
         ("M92", plain(92, [])),
-        ("M105", Command::Heat(HeatCommand::ReportTemperatures)),
+        ("M105", Command::Report(ReportCommand::Temperatures)),
         ("M108", Command::Job(JobCommand::Continue)),
         ("M110 N5", Command::Report(ReportCommand::LineNumber)),
         ("M112", Command::Job(JobCommand::EmergencyStop)),
@@ -178,7 +130,6 @@ fn every_code_has_its_command() {
         ("M119", Command::Report(ReportCommand::ReportEndstops)),
         ("M201", plain(201, [])),
         ("M203 X1 Z1", plain(203, [one, None, one])),
-        ("M400", Command::Motion(MotionCommand::Finish)),
         ("M410", Command::Motion(MotionCommand::QuickStop)),
         ("M503", Command::Setting(SettingCommand::ReportSettings { for_replay: false })),
         ("M503 S", Command::Setting(SettingCommand::ReportSettings { for_replay: false })),

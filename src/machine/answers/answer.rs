@@ -1,6 +1,7 @@
 //! Answers: the result of a command, as a value. `answer` holds the result, `report` the wording.
 //!
-//! A command returns its answer; `main_loop::reply` writes it, and the Console then sends the `ok`. A new reply is a
+//! A command returns its answer; `main_loop::reply` writes it, and the Console then sends the `ok`. What a command says
+//! on its way it tells at once (`MainLoop::say` and `tell`), in room that is kept for that. A new reply is a
 //! function in the file of its command ([`Answer::says`]). Elsewhere it is a variant here and an arm in
 //! `main_loop::reply`. A reply of several lines gets its own function in `reports`. An
 //! `echo:` that is no trouble also goes into `EXPECTED` of `sim/board/src/host.rs`, or `corehbot run` warns of it.
@@ -9,6 +10,7 @@ use super::belt_answer::BeltAnswer;
 use super::buzz_answer::BuzzAnswer;
 use super::machine_answer::MachineAnswer;
 use super::mesh_answer::MeshAnswer;
+use super::next_step::NextStep;
 use super::probe_answer::ProbeAnswer;
 use super::resonance_answer::ResonanceAnswer;
 use super::says::{Say, Says};
@@ -18,13 +20,12 @@ use super::setting::Setting;
 use super::storage_news::StorageNews;
 use super::words::Words;
 use crate::connectors::Heater;
-use crate::driver::{DriverError, Fault, Reading};
+use crate::driver::{DriverError, Reading};
 use crate::fault;
 use crate::gcode::{Flaw, Form, Number};
-use crate::machine::state::clamps::Clamp;
 use crate::machine::state::retraction::RetractionSettings;
 use crate::port::{EndstopSet, Motor};
-use crate::protocol::{Action, ResendReason};
+use crate::protocol::ResendReason;
 use crate::status::Tuned;
 use crate::text::Packed;
 
@@ -39,6 +40,8 @@ pub(in crate::machine) enum Answer<'a> {
     /// M110, with the line number that it requested.
     LineNumber(Option<i32>),
     TooLong,
+    /// Nothing yet: something is awaited first. The dispatch does that, and nobody else gets this one.
+    Then(NextStep),
     /// Nothing, and no `ok` for now: the line is kept.
     Kept,
     /// To a silent host: asks for the line after this one.
@@ -49,8 +52,6 @@ pub(in crate::machine) enum Answer<'a> {
     Malformed(Flaw<'a>),
     /// A command, and the name of a word of it that is not supported.
     NotObeyed(&'static str, &'a [u8]),
-    /// A value that was out of range.
-    Clamp(Clamp),
     /// A move that must not be made before G28.
     NotHomed,
     /// M290: the offset of z.
@@ -63,8 +64,6 @@ pub(in crate::machine) enum Answer<'a> {
     Line(Packed),
     /// Words in the file of the command.
     Says(Says),
-    /// Sends an action command (`//action:`) to hosts.
-    Action(Action<'static>),
     /// M118.
     Message(Form, &'a [u8]),
     /// M28, with the name of the file: there is no card.
@@ -85,8 +84,6 @@ pub(in crate::machine) enum Answer<'a> {
     /// A command for a driver of an axis that has no such driver, or whose drivers have one value.
     NoDriver(&'static str, Number),
     HeatSetting(HeatSetting),
-    /// M303: cycles that are done.
-    TuningCycle(Heater, u8),
     /// M303: the result of the tuning.
     Tuned(Heater, Tuned),
     /// M122: overload since the start.
@@ -120,12 +117,6 @@ pub(in crate::machine) enum Answer<'a> {
     Storage(StorageNews),
     /// A machine over the serial line.
     Machine(MachineAnswer<'a>),
-    /// Why motors have no power.
-    NoPower(Fault),
-    /// Motors get no power for this reason, even if their drivers report no error.
-    Refused(&'static str),
-    /// The same, reported at the start.
-    NoMachine(&'static str),
 }
 
 impl Answer<'_> {

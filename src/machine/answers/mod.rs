@@ -7,6 +7,7 @@
 //! |---|---|
 //! | [`answer`] | the **content**: one variant a reply |
 //! | [`says`] | words in the file of a command |
+//! | [`next_step`] | what is awaited before an answer |
 //! | [`setting`], [`driver_value`] | names for the values that a line sets and reports |
 //! | [`words`] | values of a command, as the line that sets them |
 //! | [`machine_answer`] | answers about a machine record on a serial line |
@@ -32,6 +33,7 @@ pub(in crate::machine) mod driver_value;
 pub(in crate::machine) mod machine_answer;
 pub(in crate::machine) mod mesh_answer;
 pub(in crate::machine) mod message;
+pub(in crate::machine) mod next_step;
 pub(in crate::machine) mod probe_answer;
 pub(in crate::machine) mod resonance_answer;
 pub(in crate::machine) mod says;

@@ -197,7 +197,7 @@ pub(in crate::machine) async fn begin_measuring<P: PortSet, W: Pend>(
     measuring.drivers.belt.hold_percent = 100;
     measuring.drivers.own.iter_mut().for_each(|own| own.hold_percent = 0);
     main_loop.trimming.measure(true);
-    main_loop.configure_drivers(&measuring).await?;
+    main_loop.configure_drivers(Some(&measuring)).await?;
     let tuned = main_loop.now().after_ms(TUNING_MS);
     main_loop.settle(tuned).await?;
     Ok(())
@@ -211,7 +211,7 @@ pub(in crate::machine) async fn end_measuring<P: PortSet, W: Pend>(
     if !main_loop.trimming.is_measuring() {
         return Ok(());
     }
-    main_loop.restore_drivers().await?;
+    main_loop.configure_drivers(None).await?;
     main_loop.trimming.measure(false);
     Ok(())
 }
@@ -262,7 +262,7 @@ async fn climb<P: PortSet, W: Pend>(
     if slope.is_some()
         && let Some(before) = main_loop.trimming.other_load(number, now)
     {
-        main_loop.reply(Answer::Belt(BeltAnswer::Load { number, now, before })).await?;
+        main_loop.tell(Answer::Belt(BeltAnswer::Load { number, now, before }));
     }
     let contradiction = each_follows(main_loop, scan, slope)?;
     let slope = slope.ok_or(AlignError::Flat)?;

@@ -17,7 +17,7 @@ pub(in crate::machine) async fn report_belt<P: PortSet, W: Pend>(
     if residuals.is_empty() {
         return Ok(());
     }
-    main_loop.reply(Answer::Belt(BeltAnswer::State)).await?;
+    main_loop.tell(Answer::Belt(BeltAnswer::State));
     // Drivers are read only at rest: in motion their positions would change between the replies.
     if main_loop.trimming.is_aligned() && !main_loop.motion.has_motion() && main_loop.power.is_on(residuals.motors()) {
         for (number, residual) in residuals.iter().enumerate() {
@@ -25,10 +25,11 @@ pub(in crate::machine) async fn report_belt<P: PortSet, W: Pend>(
             let phase = main_loop.trimming.found(number).and_then(|found| found.phase);
             let Some(phase) = phase else { continue };
             if let Some(strain) = strain(main_loop, phase.into(), residual).await? {
-                main_loop.reply(Answer::Belt(BeltAnswer::Fields(strain))).await?;
+                main_loop.tell(Answer::Belt(BeltAnswer::Fields(strain)));
             }
         }
     }
     let since = main_loop.homed.since_met(main_loop.motion.path());
-    main_loop.reply(Answer::Belt(BeltAnswer::Met(since))).await
+    main_loop.tell(Answer::Belt(BeltAnswer::Met(since)));
+    Ok(())
 }

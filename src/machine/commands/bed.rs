@@ -46,7 +46,7 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
         BedCommand::Report => report(main_loop, MeshForm::Grid),
         BedCommand::Save if main_loop.bed.mesh().is_none() => Answer::Mesh(MeshAnswer::None),
         BedCommand::Save => Answer::Mesh(keep_mesh(main_loop).await?.unwrap_or(MeshAnswer::State)),
-        BedCommand::Point(ref words) => return change_point(main_loop, &states.modal, &mut states.clamps, words).await,
+        BedCommand::Point(ref words) => return change_point(main_loop, states, words).await,
         BedCommand::GoTo { point, by_probe, feed } => {
             return go_to_point(main_loop, states, point, by_probe, feed).await;
         }

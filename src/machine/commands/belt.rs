@@ -4,8 +4,7 @@
 use super::homing::home_and_align;
 use super::proof::{is_anywhere_aside, prove, touch_both};
 use super::settings::stored::note_belt_loads;
-use super::shift_z::shift_z;
-use crate::gcode::AxisFlags;
+use super::shift_z::{go_to, shift_z};
 use crate::kinematics::{Mechanism, Residual, Residuals};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::belt_answer::{BeltAnswer, Diagnosis};
@@ -22,7 +21,6 @@ use crate::machine::ports::PortSet;
 use crate::machine::state::notices::Notices;
 use crate::machine::state::pulleys::{Shift, TURN, difference, shift_of, shows_a_tooth};
 use crate::machine::state::trimming::Trimming;
-use crate::motion::Target;
 use crate::port::{EndstopSet, Pend};
 use crate::units::Mm;
 use core::pin::pin;
@@ -31,7 +29,7 @@ use core::pin::pin;
 const LIFT: Mm = Mm::const_from_int(5);
 
 /// The axes of the belt.
-const BELT_AXES: AxisFlags = AxisFlags { x: true, y: true, z: false, e: false };
+const BELT_AXES: [bool; 3] = [true, true, false];
 
 /// M915: x and y are homed, their motors aligned, and x and y homed again.
 pub(in crate::machine) async fn align_belt<P: PortSet, W: Pend>(
@@ -64,7 +62,7 @@ pub(in crate::machine) async fn examine_belt<P: PortSet, W: Pend>(
     let lift = lift(main_loop).await?;
     let place = main_loop.motion.end_mm();
     let aside = touch_both(main_loop).await?;
-    main_loop.reply(Answer::Belt(BeltAnswer::Touched(aside))).await?;
+    main_loop.tell(Answer::Belt(BeltAnswer::Touched(aside)));
     // Until the check has succeeded, the position counts as unknown: M410 may end this with a motor on its way.
     let (homed, mut before) = (main_loop.homed, main_loop.trimming);
     let aside = Aside { now: aside, homed: before.homed_aside(), had_power: !before.is_by_phases() };
@@ -82,19 +80,19 @@ pub(in crate::machine) async fn examine_belt<P: PortSet, W: Pend>(
         // Something may have happened while loads were measured.
         let again = touch_both(main_loop).await?;
         if is_anywhere_aside(main_loop, again) {
-            main_loop.reply(Answer::Belt(BeltAnswer::Touched(again))).await?;
+            main_loop.tell(Answer::Belt(BeltAnswer::Touched(again)));
             answer = BeltAnswer::Diagnosis(Diagnosis::Several);
         } else if main_loop.power.is_on(residuals.motors()) {
             main_loop.homed.believe(&homed);
             main_loop.trimming = before;
         }
     } else if repairs && is_known {
-        main_loop.reply(Answer::Belt(answer)).await?;
+        main_loop.tell(Answer::Belt(answer));
         home_and_align(main_loop, notices, BELT_AXES, false).await?;
         let proven = apart(pin!(prove(main_loop))).await;
         answer = match proven {
             Ok(aside) => {
-                keep_findings(main_loop, false).await?;
+                keep_findings(main_loop, false);
                 note_belt_loads(main_loop).await?;
                 BeltAnswer::Repaired(aside)
             }
@@ -197,11 +195,11 @@ async fn examine_each<P: PortSet, W: Pend>(
             }
         }
         if shift != Shift::None && !repairs {
-            drop_phase(main_loop, number, by, shift).await?;
+            drop_phase(main_loop, number, by, shift);
         } else if matches!(found, Diagnosis::Skip { .. } | Diagnosis::Several | Diagnosis::Alike)
             && !shows_a_tooth(&main_loop.settings, residual)
         {
-            main_loop.reply(Answer::Belt(BeltAnswer::Untold)).await?;
+            main_loop.tell(Answer::Belt(BeltAnswer::Untold));
         }
     }
     Ok(said)
@@ -246,9 +244,5 @@ async fn go_back<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, place:
         return Ok(());
     }
     let [.., z, e] = main_loop.motion.end_mm();
-    let (position, speed) = ([x, y, z, e], main_loop.settings.axes.x.max_speed);
-    main_loop.plan(Target { position, speed: speed.into(), has_overrides: false, watch: EndstopSet::NONE }).await?;
-    main_loop.finish().await?;
-    main_loop.commanded.stand_at(main_loop.motion.end_mm());
-    Ok(())
+    go_to(main_loop, [x, y, z, e], main_loop.settings.axes.x.max_speed, EndstopSet::NONE).await
 }

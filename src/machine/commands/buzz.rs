@@ -119,14 +119,14 @@ async fn go_to_and_fro<P: PortSet, W: Pend>(
     steps: i32,
 ) -> Result<(), Interrupt> {
     let rate = StepRate::of_whole(steps.unsigned_abs().saturating_mul(PART_OF_SECOND));
-    for _ in 0..ROUNDS {
-        for (by, pause_ms) in [(steps, AWAY_MS), (-steps, BACK_MS)] {
-            let speed = rate / main_loop.settings.axes.x.steps_per_mm;
-            turn_alone(main_loop, motor, by, speed).await?;
-            main_loop.let_pass(pause_ms).await?;
-            main_loop.pauses.end();
-        }
-        if main_loop.pauses.is_over() {
+    for stroke in 0..2 * ROUNDS {
+        let comes_back = stroke % 2 == 1;
+        let (by, pause_ms) = if comes_back { (-steps, BACK_MS) } else { (steps, AWAY_MS) };
+        let speed = rate / main_loop.settings.axes.x.steps_per_mm;
+        turn_alone(main_loop, motor, by, speed).await?;
+        main_loop.let_pass(pause_ms).await?;
+        main_loop.pauses.end();
+        if comes_back && main_loop.pauses.is_over() {
             break;
         }
     }

@@ -30,26 +30,26 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         }
         // Z stands still meanwhile, at whatever height.
         leave_surface(self.main_loop).await?;
-        let speed = self.clamps.feed(self.modal, feed).unwrap_or(self.modal.feed);
-        let wanted = self.target(to).await?.position;
+        let speed = self.states.clamps.feed(&self.states.modal, feed).unwrap_or(self.states.modal.feed);
+        let wanted = self.target(to).position;
         let at = self.main_loop.commanded.position();
-        if !self.may_move(moving(at, wanted)).await? {
+        if !self.may_move(moving(at, wanted)) {
             return Ok(Answer::NotHomed);
         }
         let (inside, moved) =
             clamp(wanted, at, self.main_loop.homed, &self.main_loop.settings, z_reach(self.main_loop));
         if moved {
-            self.tell_of_edge().await?;
+            self.tell_of_edge();
         }
-        let belt = self.modal.length(belt);
+        let belt = self.states.modal.length(belt);
         let target =
-            if self.modal.absolute { belt } else { self.main_loop.circulation.commanded().saturating_add(belt) };
+            if self.states.modal.absolute { belt } else { self.main_loop.circulation.commanded().saturating_add(belt) };
         if !FARTHEST.holds(target) {
-            self.tell_of_edge().await?;
+            self.tell_of_edge();
         }
         let [x, y, ..] = inside;
         apart(pin!(run_round(self.main_loop, [x, y], FARTHEST.clamp(target), speed))).await?;
-        self.modal.feed = speed;
+        self.states.modal.feed = speed;
         self.main_loop.commanded.go_to(inside);
         Ok(Answer::Nothing)
     }

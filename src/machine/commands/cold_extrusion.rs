@@ -1,11 +1,8 @@
 //! Cold extrusion: filament that is left out of moves because the hotend is too cold for it, unless M302 allows it.
 
 use crate::connectors::Heater;
-use crate::machine::answers::answer::Answer;
-use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
-use crate::machine::state::notices::{Notice, Notices};
 use crate::port::Pend;
 use crate::units::Celsius;
 
@@ -39,15 +36,4 @@ impl ColdExtrusion {
             && thermal.min_extrude > Celsius::ZERO
             && main_loop.heat.believed(Heater::Hotend).is_none_or(|celsius| celsius < thermal.min_extrude)
     }
-}
-
-/// Reports once per print that filament was left out.
-pub(super) async fn tell_of_cold<P: PortSet, W: Pend>(
-    main_loop: &mut MainLoop<'_, P, W>,
-    notices: &mut Notices,
-) -> Result<(), Interrupt> {
-    if notices.give(Notice::Cold) {
-        main_loop.reply(Answer::Line(packed!("echo: cold extrusion prevented"))).await?;
-    }
-    Ok(())
 }

@@ -1,20 +1,21 @@
 //! Dispatch of every command to its family.
 //!
 //! ```text
-//!   Command ──▶ table, or motion, jobs, heat, settings, motors, probing, bed, resonance, reports, refused ──▶ Answer
+//!   Command ──▶ table, or motion, jobs, settings, motors, probing, bed, resonance, reports, refused ──▶ Answer
 //! ```
 //!
-//! A command with all of it in one file is in the table. Each family of the others has one match without a wildcard. So
-//! a new command does not compile before it has an arm. The arm gives the answer at once, or awaits it: motion, power,
-//! storage, drivers, questions to the user.
+//! A command with all of it in one file is in the table. Its answer may be a next step, which is awaited here. Each
+//! family of the others has one match without a wildcard. So a new command does not compile before it has an arm. The
+//! arm gives the answer at once, or awaits it: motion, power, storage, drivers, questions to the user.
 //!
 //! Each family is polled by a function of its own (`apart`). In one function they took 7.3 KB more of an image.
 
 use super::detour::{begin_line, end_line};
 use super::job::{end_job, refuse, starts_print};
 use super::pause::{end_keeping, hold};
-use super::states::States;
-use super::{bed, heat, jobs, motion, motors, probing, refused, reports, resonance, settings, table};
+use super::states::{States, tell_clamps};
+use super::waits::take_step;
+use super::{bed, jobs, motion, motors, probing, refused, reports, resonance, settings, table};
 use crate::gcode::{Command, Flaw};
 use crate::machine::answers::answer::Answer;
 use crate::machine::apart::apart;
@@ -33,7 +34,7 @@ pub(in crate::machine) async fn go_on_with<P: PortSet, W: Pend>(
     kept: Kept,
     answered: Answered,
 ) -> Result<Option<bool>, Interrupt> {
-    apart(pin!(end_keeping(main_loop, &mut states.modal, &states.cold, kept, answered))).await
+    apart(pin!(end_keeping(main_loop, states, kept, answered))).await
 }
 
 /// Carries out a command, reports values out of range, and returns the answer to send before its `ok`.
@@ -52,14 +53,16 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Pend>(
     let done = match *command {
         Command::Motion(ref command) => apart(pin!(motion::carry_out(main_loop, states, command))).await,
         Command::Job(ref command) => apart(pin!(jobs::carry_out(main_loop, states, command))).await,
-        Command::Heat(ref command) => apart(pin!(heat::carry_out(main_loop, states, command))).await,
         Command::Setting(ref command) => apart(pin!(settings::carry_out(main_loop, states, command))).await,
         Command::Motor(ref command) => apart(pin!(motors::carry_out(main_loop, states, command))).await,
         Command::Probe(ref command) => apart(pin!(probing::carry_out(main_loop, states, command))).await,
         Command::Bed(ref command) => apart(pin!(bed::carry_out(main_loop, states, command))).await,
         Command::Resonance(ref command) => apart(pin!(resonance::carry_out(main_loop, states, command))).await,
         Command::Report(ref command) => apart(pin!(reports::carry_out(main_loop, command))).await,
-        Command::Own(ref command) => Ok(table::carry_out(main_loop, states, command)),
+        Command::Own(ref command) => match table::carry_out(main_loop, states, command) {
+            Answer::Then(step) => apart(pin!(take_step(main_loop, states, step))).await,
+            answer => Ok(answer),
+        },
         Command::Refused(command) => Err(refused::end(main_loop, command)),
         Command::Silent => Ok(Answer::Nothing),
         Command::Malformed(Flaw::Absent(absent)) if !states.notices.give_absent(absent.key()) => Ok(Answer::Nothing),
@@ -78,16 +81,15 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Pend>(
         }
         // A print that goes on without it would print on an unknown bed.
         Ok(Answer::NotHomed) if main_loop.job.is_printing() && is_about_bed(command) => {
-            hold(main_loop, &states.modal, Kept::Lost([true; 3])).await
+            hold(main_loop, &states.modal, Kept::Lost([true; 3])).await?;
+            Ok(Answer::Kept)
         }
         Ok(answer) => {
             if matches!(answer, Answer::Nothing) && main_loop.job.is_paused() {
                 end_line(main_loop, &mut states.modal, command);
             }
-            if states.clamps.are_none() {
-                return Ok(answer);
-            }
-            main_loop.reply_clamps(&mut states.clamps).await.map(|()| answer)
+            tell_clamps(main_loop, &mut states.clamps);
+            Ok(answer)
         }
         Err(interrupt) => Err(interrupt),
     }

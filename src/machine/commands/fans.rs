@@ -1,14 +1,13 @@
-//! Fans: M106 and M107 in their turn among the moves.
+//! Fans: which one M106 and M107 mean, and its speed in its turn among the moves.
 
-use crate::gcode::{Absent, Named, Number, Part};
+use super::states::States;
+use crate::gcode::{Absent, Named, Number, OwnCommand, Part};
 use crate::machine::answers::answer::Answer;
+use crate::machine::answers::next_step::NextStep;
 use crate::machine::answers::says::Facts;
 use crate::machine::answers::speaker::Speaker;
-use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
-use crate::machine::state::clamps::Clamps;
-use crate::machine::state::notices::Notices;
 use crate::port::Pend;
 use crate::settings::{Range, ThermalSettings, part_fans};
 use crate::units::Ratio;
@@ -21,14 +20,14 @@ const fn duty(speed: Ratio) -> u16 {
     ((speed.to_bits() as u64 * 257) >> 16) as u16
 }
 
-/// M106, M107.
-pub(in crate::machine) async fn set_fan<P: PortSet, W: Pend>(
-    main_loop: &mut MainLoop<'_, P, W>,
-    notices: &mut Notices,
-    clamps: &mut Clamps,
-    fan: u8,
+/// M106, M107. P is 0 without a word, and 255 for a number that no machine has.
+pub(super) fn order_fan<P: PortSet, W: Pend>(
+    main_loop: &MainLoop<'_, P, W>,
+    States { clamps, notices, .. }: &mut States,
+    command: &OwnCommand<'_>,
     speed: Number,
-) -> Result<Answer<'static>, Interrupt> {
+) -> Answer<'static> {
+    let fan = command.number(b'P').map_or(0, |fan| u8::try_from(fan.to_int()).unwrap_or(u8::MAX));
     let fan = fan_meant(fan, &main_loop.settings.thermal);
     // Slicers name fans of other machines.
     let answer = match main_loop.settings.thermal.fans.get(usize::from(fan)) {
@@ -38,12 +37,10 @@ pub(in crate::machine) async fn set_fan<P: PortSet, W: Pend>(
     };
     if let Some(answer) = answer {
         let absent = Absent { command: Named::Code(b'M', 106), part: Part::Fan, which: &[fan] };
-        return Ok(if notices.give_absent(absent.key()) { answer } else { Answer::Nothing });
+        return if notices.give_absent(absent.key()) { answer } else { Answer::Nothing };
     }
-    if let Some(speed) = clamps.near_of(["M106", "S"], speed, FULL, None) {
-        main_loop.set_fan(fan, duty(speed)).await?;
-    }
-    Ok(Answer::Nothing)
+    let speed = clamps.near_of(["M106", "S"], speed, FULL, None);
+    speed.map_or(Answer::Nothing, |speed| Answer::Then(NextStep::Fan(fan, duty(speed))))
 }
 
 /// Something else decides on it.

@@ -1,98 +1,14 @@
-//! How heaters behave, as lines set it: M306.
-//!
-//! A heater is controlled by its model or by PID. The model is the default; M301 or M304 with a gain selects PID
-//! (`settings::rules`), and M306 with a number selects the model again. M503 says the one in use last
-//! (`reports::heat_settings_report`).
+//! Words that several commands about heaters have.
 
 use crate::connectors::Heater;
-use crate::gcode::ModelWords;
-use crate::machine::answers::answer::Answer;
-use crate::machine::answers::setting::HeatSetting;
-use crate::machine::numbers::rate;
-use crate::machine::state::clamps::Clamps;
-use crate::settings::{Control, Plausible, Range, ThermalSettings, ranges};
-use crate::units::{Ratio, Seconds};
+use crate::gcode::{Number, OwnCommand};
 
-/// The reciprocal of the shortest legal time constant, in 1/s.
-const FASTEST: Ratio = Ratio::const_from_int(10);
-
-/// M306. F is the whole loss with the part fan at full speed, as in Marlin. The legal range depends on the kind of
-/// heater and on its power, which the same line may set. Without E it is the hotend's, and says so.
-pub(in crate::machine) fn set_model(
-    heater: Heater,
-    is_named: bool,
-    words: &ModelWords,
-    thermal: &mut ThermalSettings,
-    clamps: &mut Clamps,
-) -> Answer<'static> {
-    if *words == ModelWords::default() {
-        return Answer::HeatSetting(HeatSetting::Model(heater));
-    }
-    let ModelWords { power, capacity, loss, fan_loss, responsiveness, heater_lag, filament } = *words;
-    let mut wanted = *thermal;
-    let settings = wanted.heater_mut(heater);
-    if let Some(number) = power {
-        clamps.near(["M306", "P"], number, Plausible::of(heater, settings.power).power, &mut settings.power);
-    }
-    let plausible = Plausible::of(heater, settings.power);
-    let model = &mut settings.model;
-    if let Some(number) = capacity {
-        clamps.near(["M306", "C"], number, plausible.capacity, &mut model.capacity);
-    }
-    if let Some(number) = loss {
-        clamps.near(["M306", "A"], number, plausible.loss, &mut model.loss);
-    }
-    if let Some(number) = fan_loss {
-        let mut whole = model.loss.saturating_add(model.fan_loss);
-        clamps.near(["M306", "F"], number, plausible.whole_loss(model.loss), &mut whole);
-        model.fan_loss = whole.saturating_sub(model.loss);
-    }
-    if let Some(number) = responsiveness {
-        let old = rate(model.sensor_lag);
-        let rates = Range { least: rate(plausible.lag.most), most: FASTEST };
-        if let Some(rate) = clamps.near_of(["M306", "R"], number, rates, Some(old)) {
-            model.sensor_lag = plausible.lag.clamp(reciprocal(rate));
-        }
-    }
-    if let Some(number) = heater_lag {
-        clamps.near(["M306", "L"], number, plausible.lag, &mut model.heater_lag);
-    }
-    // A new power alone may leave the other numbers outside their ranges.
-    let is_plausible = plausible.beyond(settings.power, model).next().is_none();
-    settings.control = Control::Model;
-    if let Some(number) = filament {
-        clamps.near(["M306", "H"], number, ranges::FILAMENT, &mut wanted.filament);
-    }
-    if clamps.refuses_line() {
-        return Answer::Nothing;
-    }
-    if !is_plausible {
-        return Answer::Line(packed!(
-            "echo:M306 ignored: this model does not fit this power, set P, C, A, F, R and L in one line"
-        ));
-    }
-    *thermal = wanted;
-    if is_named {
-        Answer::Nothing
-    } else {
-        Answer::Line(packed!("echo:M306 without E is the hotend's (E0); E-1 is the bed, E-2 the chamber"))
-    }
-}
-
-/// The time constant of a rate in 1/s.
-fn reciprocal(rate: Ratio) -> Seconds {
-    Seconds::from_bits(((1u64 << 40) / u64::from(rate.to_bits().max(1))).min(u64::from(u32::MAX)) as u32)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_lag_and_its_rate_read_back() {
-        for ms in [20, 100, 1200, 5000, 20_000, 200_000] {
-            let shown = rate(Seconds::from_num(f64::from(ms) / 1000.0));
-            assert_eq!(rate(reciprocal(shown)), shown, "{ms}");
-        }
+/// The heater of E: 0 or none is the hotend, -1 the bed, -2 the chamber.
+pub(super) fn heater_of(command: &OwnCommand<'_>) -> Option<Heater> {
+    match command.number(b'E').map_or(0, Number::to_int) {
+        0 => Some(Heater::Hotend),
+        -1 => Some(Heater::Bed),
+        -2 => Some(Heater::Chamber),
+        _ => None,
     }
 }

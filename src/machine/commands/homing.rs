@@ -10,11 +10,10 @@
 //!
 //! A probe that is low when it triggers reads as not triggered if its wire is cut: the floor alone ends its descent.
 
-use super::pause::travel;
 use super::proof::prove;
 use super::retraction::forget_retraction;
 use super::settings::stored::note_belt_loads;
-use super::shift_z::shift_z;
+use super::shift_z::{go_to, shift_z};
 use super::switch::{home_named, stand_at, switch_of};
 use crate::gcode::{AxisFlags, HomeWords};
 use crate::machine::answers::answer::Answer;
@@ -36,13 +35,9 @@ use crate::settings::{Alignment, AxisEnd, HomedAxis};
 use crate::units::Mm;
 use core::pin::pin;
 
-/// Whether a line names an axis.
-const fn is_named(flags: AxisFlags, axis: HomedAxis) -> bool {
-    match axis {
-        HomedAxis::X => flags.x,
-        HomedAxis::Y => flags.y,
-        HomedAxis::Z => flags.z,
-    }
+/// The axes that a line means: all if it names none.
+const fn meant(AxisFlags { x, y, z, .. }: AxisFlags) -> [bool; 3] {
+    if x || y || z { [x, y, z] } else { [true; 3] }
 }
 
 /// G28. If any axis fails, the job ends. Z rises by `raise` first, as far as it can: the nozzle may stand on a print.
@@ -53,34 +48,39 @@ pub(in crate::machine) async fn home<P: PortSet, W: Pend>(
     words: HomeWords,
     raise: Option<Mm>,
 ) -> Result<(), Interrupt> {
-    let mut flags = words.axes;
+    let mut wanted = meant(words.axes);
     if words.only_lost {
-        flags = lost(flags, main_loop.homed.axes());
-        if flags == AxisFlags::default() {
+        for (wanted, is_homed) in wanted.iter_mut().zip(main_loop.homed.axes()) {
+            *wanted &= !is_homed;
+        }
+        if wanted == [false; 3] {
             main_loop.job.forgive();
             return Ok(());
         }
     }
-    refuse_in_vain(main_loop, flags)?;
+    refuse_in_vain(main_loop, wanted)?;
     main_loop.job.forgive();
     power_up(main_loop).await?;
-    let raise = raise.unwrap_or_else(|| usual_raise(main_loop, flags));
+    let raise = raise.unwrap_or_else(|| usual_raise(main_loop, wanted));
     raise_z(main_loop, raise).await?;
     // As motors got power they may have been aligned by their phases.
     let aligns = main_loop.settings.belt.alignment == Alignment::Automatic && lacks_alignment(main_loop);
-    apart(pin!(home_axes(main_loop, notices, flags, aligns))).await
+    apart(pin!(home_axes(main_loop, notices, wanted, aligns))).await
 }
 
 /// Refuses axes that cannot be homed, before anything moves. Z is homed at a place only if X and Y are known then.
-fn refuse_in_vain<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, flags: AxisFlags) -> Result<(), Interrupt> {
-    let all = !(flags.x || flags.y || flags.z);
+fn refuse_in_vain<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, wanted: [bool; 3]) -> Result<(), Interrupt> {
     let by_probe = main_loop.settings.homes_z_by_probe();
-    for axis in HomedAxis::ALL.into_iter().filter(|axis| all || is_named(flags, *axis)) {
+    for axis in HomedAxis::ALL {
+        if !wanted[axis as usize] {
+            continue;
+        }
         let is_probed = by_probe && axis == HomedAxis::Z;
         let input = if is_probed { EndstopSet::PROBE } else { switch_of(axis) };
         let (s, at) = (&*main_loop.settings, main_loop.settings.probe_home());
         let is_placed = axis == HomedAxis::Z && (by_probe || s.homes_z_at_place());
-        let lacks_others = is_placed && !all && main_loop.homed.lacks_one_of([!flags.x, !flags.y, false]);
+        let [x, y, _] = wanted;
+        let lacks_others = is_placed && main_loop.homed.lacks_one_of([!x, !y, false]);
         let unreached = s.unreached_z_home().filter(|_| is_placed);
         let why = match main_loop.status.inputs().has(input) {
             false => HomingFailure::NotConnected,
@@ -99,9 +99,8 @@ fn refuse_in_vain<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, flags
 }
 
 /// How far z rises if no word says it: the hop of the settings, and the probe must clear the bed on its way.
-fn usual_raise<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, flags: AxisFlags) -> Mm {
+fn usual_raise<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, [.., is_meant]: [bool; 3]) -> Mm {
     let probe = main_loop.first_layer.probe(&main_loop.settings);
-    let is_meant = flags.z || !(flags.x || flags.y);
     let hop = hop(main_loop);
     if !(is_meant && main_loop.settings.homes_z_by_probe()) {
         return hop;
@@ -118,12 +117,6 @@ fn hop<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>) -> Mm {
     if is_known && hop > Mm::ZERO { hop.saturating_sub(at) } else { hop }
 }
 
-/// Of the axes that a line means, those that are not homed.
-fn lost(flags: AxisFlags, [x, y, z]: [bool; 3]) -> AxisFlags {
-    let all = !(flags.x || flags.y || flags.z);
-    AxisFlags { x: !x && (all || flags.x), y: !y && (all || flags.y), z: !z && (all || flags.z), e: false }
-}
-
 /// Raises z, as far as it can. If its place is not known, a switch at its upper end stops it.
 async fn raise_z<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, raise: Mm) -> Result<(), Interrupt> {
     let s = &*main_loop.settings;
@@ -137,16 +130,16 @@ async fn raise_z<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, raise:
     shift_z(main_loop, raise.min(room).max(Mm::ZERO), speed, watch).await
 }
 
-/// Homes the named axes; with `aligns` the motors of a belt are aligned as soon as x and y are home, which are homed
+/// Homes these axes; with `aligns` the motors of a belt are aligned as soon as x and y are home, which are homed
 /// again then.
 pub(in crate::machine) async fn home_and_align<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
-    flags: AxisFlags,
+    wanted: [bool; 3],
     aligns: bool,
 ) -> Result<(), Interrupt> {
     power_up(main_loop).await?;
-    apart(pin!(home_axes(main_loop, notices, flags, aligns))).await
+    apart(pin!(home_axes(main_loop, notices, wanted, aligns))).await
 }
 
 /// Power first: without it, nothing is homed and the axes stay homed.
@@ -162,31 +155,27 @@ async fn power_up<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Re
 async fn home_axes<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
-    flags: AxisFlags,
+    wanted: [bool; 3],
     aligns: bool,
 ) -> Result<(), Interrupt> {
-    let all = !(flags.x || flags.y || flags.z);
-    let mut is_home = [false; 3];
-    let mut aligns = aligns;
+    let [is_x, is_y, is_z] = wanted;
+    let mut aligns = aligns && is_x && is_y;
+    let mut left = [is_x, is_y, false];
     let is_placed = main_loop.settings.homes_z_by_probe() || main_loop.settings.homes_z_at_place();
     for axis in main_loop.settings.homing_order {
-        if !(all || is_named(flags, axis)) || is_placed && axis == HomedAxis::Z {
+        if !wanted[axis as usize] || is_placed && axis == HomedAxis::Z {
             continue;
         }
         home_named(main_loop, axis).await?;
-        if let Some(is_home) = is_home.get_mut(axis as usize) {
-            *is_home = true;
-        }
-        if let [true, true, _] = is_home
-            && core::mem::take(&mut aligns)
-        {
+        left[axis as usize] = false;
+        if left == [false; 3] && core::mem::take(&mut aligns) {
             apart(pin!(align_at_home(main_loop))).await?;
         }
     }
-    if let [true, true, _] = is_home {
+    if is_x && is_y {
         advance_belt(main_loop).await?;
     }
-    if all || flags.z {
+    if is_z {
         // The probe needs its place over the bed, and the switch its own, so z is the last.
         if is_placed {
             home_z_at_place(main_loop).await?;
@@ -219,10 +208,7 @@ async fn home_z_at_place<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>
 async fn go_over<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, [x, y]: [Mm; 2]) -> Result<(), Interrupt> {
     let [x, y] = [(HomedAxis::X, x), (HomedAxis::Y, y)].map(|(axis, at)| main_loop.settings.reach(axis).clamp(at));
     let ([.., z, e], speed) = (main_loop.motion.end_mm(), main_loop.settings.safe_z_home.speed);
-    travel(main_loop, [x, y, z, e], speed).await?;
-    main_loop.finish().await?;
-    main_loop.commanded.stand_at(main_loop.motion.end_mm());
-    Ok(())
+    go_to(main_loop, [x, y, z, e], speed, EndstopSet::NONE).await
 }
 
 async fn home_z_by_probe<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
@@ -255,16 +241,18 @@ async fn align_at_home<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) 
     };
     match proved {
         Ok(()) => {
-            keep_findings(main_loop, true).await?;
+            keep_findings(main_loop, true);
             note_belt_loads(main_loop).await?;
-            main_loop.reply(Answer::Belt(BeltAnswer::Aligned)).await
+            main_loop.tell(Answer::Belt(BeltAnswer::Aligned));
+            Ok(())
         }
         Err(BeltError::Interrupted(interrupt)) => Err(interrupt),
         Err(BeltError::Align(error)) => {
             if !matches!(main_loop.homed.axes(), [true, true, _]) {
                 home_both(main_loop).await?;
             }
-            main_loop.reply(Answer::Belt(BeltAnswer::NotAligned(error))).await
+            main_loop.tell(Answer::Belt(BeltAnswer::NotAligned(error)));
+            Ok(())
         }
     }
 }

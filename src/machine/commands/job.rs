@@ -3,8 +3,8 @@
 use super::pause::{announce, hold};
 use crate::connectors::Heater;
 use crate::gcode::{
-    BedCommand, Command, HeatCommand, JobCommand, MotionCommand, MotorCommand, Nature, Number, ProbeCommand,
-    ResonanceCommand, SettingCommand,
+    BedCommand, Command, JobCommand, MotionCommand, MotorCommand, Nature, Number, ProbeCommand, ResonanceCommand,
+    SettingCommand,
 };
 use crate::machine::answers::answer::Answer;
 use crate::machine::interrupt::Interrupt;
@@ -52,7 +52,8 @@ pub(in crate::machine) async fn end_job<P: PortSet, W: Pend>(
     let settings = main_loop.settings.job;
     if can_be_mended && settings.on_failure == OnFailure::Pause && main_loop.job.is_printing() {
         main_loop.hosts.notify_all(text!("echo:{why}"));
-        return hold(main_loop, modal, Kept::Failed).await;
+        hold(main_loop, modal, Kept::Failed).await?;
+        return Ok(Answer::Kept);
     }
     main_loop.pauses.end_command();
     end_touch(main_loop).await?;
@@ -76,7 +77,7 @@ pub(in crate::machine) async fn end_job<P: PortSet, W: Pend>(
             let heat = if keeps_heat { "stay on" } else { "are off" };
             main_loop.hosts.notify_all(text!("echo:print ended, heaters {heat}: {why}"));
         }
-        announce(main_loop, &[Action::Cancel]).await?;
+        announce(main_loop, &[Action::Cancel]);
     }
     main_loop.finish().await?;
     clean_up(main_loop, modal).await?;
@@ -140,7 +141,6 @@ pub(in crate::machine) fn refuse<P: PortSet, W: Pend>(
     }
     // Which lines would run, the condition has decided: none does.
     let is_by_condition = matches!(main_loop.job.why_it_ends(), JobEnd::Conditional);
-    let heats = |target: Option<Number>| target.is_some_and(|target| target > Number::ZERO);
     let is_of_print = match *command {
         Command::Job(JobCommand::Continue) => {
             main_loop.job.forgive();
@@ -163,6 +163,10 @@ pub(in crate::machine) fn refuse<P: PortSet, W: Pend>(
         Command::Own(ref command) => match command.nature() {
             Nature::Report => false,
             Nature::Work => true,
+            Nature::Heat => {
+                command.number(b'S').or_else(|| command.number(b'R')).is_some_and(|target| target > Number::ZERO)
+            }
+            Nature::WorkWithT => command.has(b'T') || is_by_condition,
             Nature::Aside | Nature::Mode => is_by_condition,
         },
         Command::Bed(BedCommand::Measure(_) | BedCommand::GoTo { .. })
@@ -172,11 +176,7 @@ pub(in crate::machine) fn refuse<P: PortSet, W: Pend>(
         Command::Resonance(ResonanceCommand::Sweep(_)) => true,
         Command::Probe(ProbeCommand::Touch { .. } | ProbeCommand::Repeatability { .. } | ProbeCommand::Deploy) => true,
         Command::Job(JobCommand::AwaitUser { .. } | JobCommand::Pause { .. }) => true,
-        Command::Heat(HeatCommand::AwaitHeaters | HeatCommand::TuneHeater(_) | HeatCommand::SelfTest) => true,
-        Command::Heat(HeatCommand::HeaterTarget { target, .. } | HeatCommand::HeaterWait { target, .. }) => {
-            heats(target)
-        }
-        Command::Report(_) | Command::Heat(HeatCommand::ReportTemperatures) | Command::Silent => false,
+        Command::Report(_) | Command::Silent => false,
         Command::Setting(SettingCommand::ReportSettings { .. }) => false,
         Command::Job(JobCommand::Cancel | JobCommand::EmergencyStop | JobCommand::Restart) => false,
         _ => is_by_condition,

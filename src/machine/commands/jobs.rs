@@ -16,18 +16,17 @@ pub(super) async fn carry_out<'a, P: PortSet, W: Pend>(
     states: &mut States,
     command: &JobCommand<'a>,
 ) -> Result<Answer<'a>, Interrupt> {
-    let States { modal, cold, .. } = states;
     match *command {
         JobCommand::AwaitUser { ms, filament, ref park } => {
-            return await_user(main_loop, modal, cold, (ms, filament), park).await;
+            return await_user(main_loop, states, (ms, filament), park).await;
         }
-        JobCommand::Pause { parks, ref park } => return pause(main_loop, modal, cold, parks, park).await,
-        JobCommand::Resume => return resume(main_loop, modal, cold).await,
+        JobCommand::Pause { parks, ref park } => return pause(main_loop, states, parks, park).await,
+        JobCommand::Resume => return resume(main_loop, states).await,
         JobCommand::BeginJob => {
             let host = main_loop.hosts.serving();
             main_loop.job.begin(host);
         }
-        JobCommand::EndJob => end_by_line(main_loop, modal).await?,
+        JobCommand::EndJob => end_by_line(main_loop, &mut states.modal).await?,
         // The receive path has acted on them.
         JobCommand::Cancel | JobCommand::Continue | JobCommand::Answer => {}
         JobCommand::BeginUpload(name) => {

@@ -7,11 +7,10 @@ use crate::machine::answers::answer::Answer;
 use crate::machine::answers::mesh_answer::{MeshAnswer, MeshForm};
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
-use crate::machine::main_loop::surface::set_mesh;
+use crate::machine::main_loop::surface::take_known_mesh;
 use crate::machine::ports::PortSet;
 use crate::port::Pend;
 use crate::settings::ranges;
-use crate::storage::StoredMesh;
 use crate::surface::{Heights, Mesh, MeshError, UNITS_PER_MM};
 use crate::units::Mm;
 
@@ -30,8 +29,7 @@ pub(super) async fn use_mesh<P: PortSet, W: Pend>(
 ) -> Result<(), Interrupt> {
     main_loop.finish().await?;
     main_loop.live_settings().set_mesh_on(on);
-    let mesh = main_loop.bed.mesh().map(|stored| stored.mesh);
-    set_mesh(main_loop, mesh.as_ref()).await
+    take_known_mesh(main_loop).await
 }
 
 /// M420.
@@ -42,7 +40,7 @@ pub(super) async fn level<P: PortSet, W: Pend>(
 ) -> Result<Answer<'static>, Interrupt> {
     let LevellingWords { on, reports, form, fade, centres, loads } = *words;
     if loads && let Some(news) = take_kept_mesh(main_loop).await? {
-        main_loop.reply(Answer::Mesh(news)).await?;
+        main_loop.tell(Answer::Mesh(news));
     }
     if let Some(fade) = fade {
         let (old, clamps) = (main_loop.settings.mesh.fade, &mut states.clamps);
@@ -55,19 +53,21 @@ pub(super) async fn level<P: PortSet, W: Pend>(
         let Some(fade) = fade else { return Ok(Answer::Nothing) };
         main_loop.live_settings().set_fade(fade);
     }
-    if let Some(known) = main_loop.bed.mesh().copied()
+    if let Some(known) = main_loop.bed.mesh()
         && (centres || known.mesh.fade() != main_loop.settings.mesh.fade)
     {
-        let heights = if centres { centred(known.mesh.heights()) } else { *known.mesh.heights() };
-        let mesh = with_heights(main_loop, &known.mesh, heights).await?;
-        know(main_loop, StoredMesh { mesh, ..known });
+        let mut heights = *known.mesh.heights();
+        if centres {
+            centre(&mut heights);
+        }
+        change_heights(main_loop, &heights);
     }
     if reports {
         let form = if form == Some(Number::from(1)) { MeshForm::Table } else { MeshForm::Grid };
         let answer = report(main_loop, form);
         main_loop.reply(answer).await?;
     } else if on == Some(true) && main_loop.bed.mesh().is_none() {
-        main_loop.reply(Answer::Mesh(MeshAnswer::None)).await?;
+        main_loop.tell(Answer::Mesh(MeshAnswer::None));
     }
     let on = on.unwrap_or(main_loop.settings.mesh.is_on) && main_loop.bed.mesh().is_some();
     if words.changes() {
@@ -76,46 +76,46 @@ pub(super) async fn level<P: PortSet, W: Pend>(
     Ok(Answer::Mesh(MeshAnswer::State))
 }
 
-/// The present mesh is another one, as far as it reaches.
-pub(super) fn know<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, mesh: StoredMesh) {
-    let is_part = main_loop.bed.is_part();
-    main_loop.bed.know(mesh, is_part);
-}
-
-/// The heights less their mean.
-fn centred(heights: &Heights) -> Heights {
+/// Heights are counted from their mean.
+fn centre(heights: &mut Heights) {
     let mean = heights.mean();
     let mean = if mean < 0.0 { mean - 0.5 } else { mean + 0.5 } as i16;
-    let mut centred = *heights;
     for row in 0..heights.rows() {
         for column in 0..heights.columns() {
-            centred.set(column, row, heights.get(column, row).saturating_sub(mean));
+            heights.set(column, row, heights.get(column, row).saturating_sub(mean));
         }
     }
-    centred
 }
 
-/// A mesh with other heights, and the fade of the settings. If that is too short for it, it does not fade, and the host
-/// gets to know.
-pub(super) async fn with_heights<P: PortSet, W: Pend>(
+/// The mesh has other heights, and the fade of the settings.
+pub(super) fn change_heights<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, heights: &Heights) {
+    let Some(known) = main_loop.bed.mesh() else { return };
+    let (first, last) = (known.mesh.first(), known.mesh.last());
+    let mesh = mesh_of(main_loop, heights, first, last);
+    main_loop.bed.change(mesh.as_ref());
+}
+
+/// A mesh with the fade of the settings; none if these heights make none. If the fade is too short for it, it does not
+/// fade, and the host gets to know.
+pub(super) fn mesh_of<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
-    mesh: &Mesh,
-    heights: Heights,
-) -> Result<Mesh, Interrupt> {
-    let (first, last, fade) = (mesh.first(), mesh.last(), main_loop.settings.mesh.fade);
-    match Mesh::new(heights, first, last, fade) {
+    heights: &Heights,
+    first: [Mm; 2],
+    last: [Mm; 2],
+) -> Option<Mesh> {
+    match Mesh::new(*heights, first, last, main_loop.settings.mesh.fade) {
         Ok(mesh) => {
             if mesh.has_short_fade() {
-                main_loop.reply(Answer::Mesh(MeshAnswer::ShortFade(deviation(&mesh)))).await?;
+                main_loop.tell(Answer::Mesh(MeshAnswer::ShortFade(deviation(&mesh))));
             }
-            Ok(mesh)
+            Some(mesh)
         }
         Err(MeshError::FadesTooFast) => {
-            let flat = Mesh::new(heights, first, last, Mm::ZERO).unwrap_or(*mesh);
-            main_loop.reply(Answer::Mesh(MeshAnswer::NoFade(deviation(&flat)))).await?;
-            Ok(flat)
+            let flat = Mesh::new(*heights, first, last, Mm::ZERO).ok()?;
+            main_loop.tell(Answer::Mesh(MeshAnswer::NoFade(deviation(&flat))));
+            Some(flat)
         }
-        Err(_) => Ok(*mesh),
+        Err(_) => None,
     }
 }
 

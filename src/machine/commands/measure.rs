@@ -4,9 +4,10 @@
 //! nothing there, and the height of the first layer stays right.
 
 use super::homing::home;
-use super::levelling::{units, use_mesh, with_heights};
+use super::levelling::{mesh_of, units, use_mesh};
 use super::probing::tell_of_home_offsets;
 use super::states::States;
+use crate::connectors::Heater;
 use crate::gcode::{GridWords, HomeWords, Number};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::mesh_answer::{MeshAnswer, MeshForm};
@@ -23,7 +24,7 @@ use crate::machine::state::modal::Modal;
 use crate::port::Pend;
 use crate::settings::{Range, Settings};
 use crate::storage::StoredMesh;
-use crate::surface::{Heights, MOST_POINTS, Mesh};
+use crate::surface::{Heights, MOST_POINTS};
 use crate::units::Mm;
 use core::pin::pin;
 
@@ -57,9 +58,7 @@ pub(super) async fn measure<P: PortSet, W: Pend>(
     }
     if main_loop.homed.level() == Level::Lost {
         // Screws that turn easily may have turned.
-        main_loop
-            .reply(Answer::Line(packed!("echo:the motors of z had no power since G34. G34 levels the screws again")))
-            .await?;
+        main_loop.say(text!("echo:the motors of z had no power since G34. G34 levels the screws again"));
     }
     let whole = whole_area(&main_loop.settings);
     let area = match area(whole, states, words) {
@@ -68,25 +67,21 @@ pub(super) async fn measure<P: PortSet, W: Pend>(
     };
     if words.is_adaptive && states.area.bounds().is_none() {
         let is_cut = states.area.is_cut();
-        main_loop.reply(Answer::Mesh(MeshAnswer::NotAdaptive { is_cut })).await?;
+        main_loop.tell(Answer::Mesh(MeshAnswer::NotAdaptive { is_cut }));
     }
     if area != whole {
         let Area { x, y, points } = area;
-        main_loop.reply(Answer::Mesh(MeshAnswer::Area { x, y, points })).await?;
+        main_loop.tell(Answer::Mesh(MeshAnswer::Area { x, y, points }));
     }
     if words.area.iter().any(Option::is_some) {
-        tell_of_home_offsets(main_loop).await?;
+        tell_of_home_offsets(main_loop);
     }
     let heights = touch_grid(main_loop, &area, words).await?;
-    let flat = Mesh::new(heights, [area.x.least, area.y.least], [area.x.most, area.y.most], Mm::ZERO);
-    let Ok(flat) = flat else { return Ok(Answer::Nothing) };
-    let mesh = with_heights(main_loop, &flat, heights).await?;
-    let reference = main_loop.settings.probe_home();
-    let temperatures = [crate::connectors::Heater::Bed, crate::connectors::Heater::Hotend]
-        .map(|heater| main_loop.heat.believed(heater).map(|celsius| celsius.to_num::<i32>().clamp(-99, 999) as i16));
     let before = main_loop.bed;
     let is_part = (area.x, area.y) != (whole.x, whole.y);
-    main_loop.bed.know(StoredMesh { mesh, reference, temperatures }, is_part);
+    if !note_mesh(main_loop, &heights, &area, is_part) {
+        return Ok(Answer::Nothing);
+    }
     main_loop.reply(Answer::Mesh(MeshAnswer::Heights(MeshForm::Grid))).await?;
     let on = if words.is_dry {
         main_loop.bed = before;
@@ -96,6 +91,22 @@ pub(super) async fn measure<P: PortSet, W: Pend>(
     };
     use_mesh(main_loop, on).await?;
     Ok(Answer::Nothing)
+}
+
+/// These heights are known of the bed now. False if they make no mesh.
+fn note_mesh<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    heights: &Heights,
+    area: &Area,
+    is_part: bool,
+) -> bool {
+    let (first, last) = ([area.x.least, area.y.least], [area.x.most, area.y.most]);
+    let Some(mesh) = mesh_of(main_loop, heights, first, last) else { return false };
+    let temperatures = [Heater::Bed, Heater::Hotend]
+        .map(|heater| main_loop.heat.believed(heater).map(|celsius| celsius.to_num::<i32>().clamp(-99, 999) as i16));
+    let reference = main_loop.settings.probe_home();
+    main_loop.bed.know(StoredMesh { mesh, reference, temperatures }, is_part);
+    true
 }
 
 /// All that the probe reaches.
@@ -126,8 +137,9 @@ fn area(whole: Area, states: &mut States, words: &GridWords) -> Result<Area, [Mm
 /// The part of an area around some places. It is wide enough for a slope, unless all of the area is not.
 fn part(whole: Area, objects: [Range<Mm>; 2], margin: Mm) -> Result<Area, [Mm; 2]> {
     let mut part = whole.around(objects, margin);
-    let ([x, y], sides) = (objects, [(&mut part.x, whole.x), (&mut part.y, whole.y)]);
-    for ((side, whole), object) in sides.into_iter().zip(objects) {
+    let [x, y] = objects;
+    for (axis, object) in objects.iter().enumerate() {
+        let (side, whole) = if axis == 0 { (&mut part.x, whole.x) } else { (&mut part.y, whole.y) };
         let lacks = LEAST_SIDE.saturating_sub(side.most.saturating_sub(side.least));
         if lacks > Mm::ZERO {
             let least = whole.clamp(side.least.saturating_sub(lacks / 2));

@@ -1,6 +1,6 @@
 //! The points of the mesh: M421 changes one, G42 goes over it.
 
-use super::levelling::{know, units, use_mesh, with_heights};
+use super::levelling::{change_heights, units, use_mesh};
 use super::states::States;
 use crate::gcode::{MeshPoint, Number, PointWords};
 use crate::machine::answers::answer::Answer;
@@ -9,12 +9,10 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::probe::area::Area;
-use crate::machine::state::clamps::Clamps;
 use crate::machine::state::modal::Modal;
 use crate::motion::Target;
 use crate::port::{EndstopSet, Pend};
 use crate::settings::{HomedAxis, Range, ranges};
-use crate::storage::StoredMesh;
 use crate::surface::{Heights, Mesh};
 use crate::units::Mm;
 
@@ -52,16 +50,31 @@ fn point_of<P: PortSet, W: Pend>(
 /// M421.
 pub(super) async fn change_point<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
-    modal: &Modal,
-    clamps: &mut Clamps,
+    states: &mut States,
     words: &PointWords,
 ) -> Result<Answer<'static>, Interrupt> {
-    let Some(known) = main_loop.bed.mesh().copied() else { return Ok(Answer::Mesh(MeshAnswer::None)) };
+    if main_loop.bed.mesh().is_none() {
+        return Ok(Answer::Mesh(MeshAnswer::None));
+    }
     main_loop.finish().await?;
-    let Some([column, row]) = point_of(main_loop, modal, &known.mesh, words.point) else {
-        return Ok(Answer::Mesh(MeshAnswer::NoPoint));
+    if let Some(answer) = set_height(main_loop, states, words) {
+        return Ok(answer);
+    }
+    use_mesh(main_loop, main_loop.settings.mesh.is_on).await?;
+    Ok(Answer::Nothing)
+}
+
+/// The point has its height, or there is this answer.
+fn set_height<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    States { modal, clamps, .. }: &mut States,
+    words: &PointWords,
+) -> Option<Answer<'static>> {
+    let mesh = &main_loop.bed.mesh()?.mesh;
+    let Some([column, row]) = point_of(main_loop, modal, mesh, words.point) else {
+        return Some(Answer::Mesh(MeshAnswer::NoPoint));
     };
-    let mut heights = *known.mesh.heights();
+    let mut heights = *mesh.heights();
     let range = ranges::MESH_HEIGHT;
     let now = heights.get(column, row);
     let height = match (words.height, words.change) {
@@ -74,15 +87,13 @@ pub(super) async fn change_point<P: PortSet, W: Pend>(
             Heights::filled(heights.columns(), heights.rows(), others).map(|filled| filled.get(column, row))
         }
         (None, None) => {
-            return Ok(Answer::Line(packed!("echo:M421 ignored: Z is the height of the point, Q its change")));
+            return Some(Answer::Line(packed!("echo:M421 ignored: Z is the height of the point, Q its change")));
         }
     };
-    let Some(height) = height else { return Ok(Answer::Nothing) };
+    let Some(height) = height else { return Some(Answer::Nothing) };
     heights.set(column, row, height);
-    let mesh = with_heights(main_loop, &known.mesh, heights).await?;
-    know(main_loop, StoredMesh { mesh, ..known });
-    use_mesh(main_loop, main_loop.settings.mesh.is_on).await?;
-    Ok(Answer::Nothing)
+    change_heights(main_loop, &heights);
+    None
 }
 
 /// G42: the nozzle, or with P the probe, goes over a point; without I or J along the other axis alone.
@@ -93,7 +104,7 @@ pub(super) async fn go_to_point<P: PortSet, W: Pend>(
     by_probe: bool,
     feed: Option<Number>,
 ) -> Result<Answer<'static>, Interrupt> {
-    let Some(known) = main_loop.bed.mesh().copied() else { return Ok(Answer::Mesh(MeshAnswer::None)) };
+    let Some(known) = main_loop.bed.mesh() else { return Ok(Answer::Mesh(MeshAnswer::None)) };
     if main_loop.homed.lacks_one_of([true; 3]) {
         return Ok(Answer::NotHomed);
     }
@@ -108,11 +119,10 @@ pub(super) async fn go_to_point<P: PortSet, W: Pend>(
     let s = &*main_loop.settings;
     let mut position = main_loop.motion.end_mm();
     let offsets = [s.probe.offset.x, s.probe.offset.y];
-    let axes = [HomedAxis::X, HomedAxis::Y].into_iter().zip(numbers).zip(place.into_iter().zip(offsets));
-    for (at, ((axis, number), (place, offset))) in position.iter_mut().zip(axes) {
-        if number.is_some() {
-            let place = if by_probe { place.saturating_sub(offset) } else { place };
-            *at = s.reach(axis).clamp(place);
+    for (axis, at) in position.iter_mut().enumerate().take(2) {
+        if numbers[axis].is_some() {
+            let place = if by_probe { place[axis].saturating_sub(offsets[axis]) } else { place[axis] };
+            *at = s.reach(HomedAxis::ALL[axis]).clamp(place);
         }
     }
     let speed = states.modal.feed;

@@ -11,16 +11,17 @@
 //! command also gets the one to three [`states`] that it names. Where several functions need the same four, they are
 //! methods of a struct that borrows them ([`moves::Moves`]).
 //!
-//! [`table`] has commands with an effect at once, each with all of it in one file. The others:
+//! [`table`] has commands with an effect at once, each with all of it in one file; [`waits`] awaits the next step that
+//! some of them return. The others, and the files that commands of the table share:
 //!
 //! | family (the same in `gcode::commands`) | its arms | its work |
 //! |---|---|---|
 //! | motion | [`motion`] | [`moves`], [`arcs`], [`circulate`], [`retraction`], [`waits`] |
 //! | homing | [`motion`] | [`homing`], [`switch`], [`shift_z`] |
 //! | first layer | [`motion`] | [`z_offset`] |
-//! | jobs, pauses and waits | [`jobs`] | [`job`], [`pause`], [`detour`] |
-//! | heaters | [`heat`] | [`heating`], [`heater_settings`], [`cold_extrusion`], [`tuning`], [`self_test`] |
-//! | fans | [`heat`] | [`fans`] |
+//! | jobs, pauses and waits | [`jobs`] | [`job`], [`pause`], [`parking`], [`detour`] |
+//! | heaters | [`table`] | [`heating`], [`reached`], [`heater_settings`], [`cold_extrusion`], [`tuning`], [`self_test`] |
+//! | fans | [`table`] | [`fans`] |
 //! | settings | [`settings`] | its own files, [`shaping`] (M593, M900) |
 //! | motors and drivers | [`motors`] | [`drivers`], [`belt`], [`proof`] (M915), [`buzz`] |
 //! | screws of z | [`motors`] | [`screws`] (G34, G35) |
@@ -46,7 +47,6 @@ mod detour;
 pub(in crate::machine) mod dispatch;
 mod drivers;
 mod fans;
-mod heat;
 mod heater_settings;
 mod heating;
 mod homing;
@@ -59,9 +59,11 @@ mod messages;
 mod motion;
 mod motors;
 mod moves;
+mod parking;
 pub(in crate::machine) mod pause;
 mod probing;
 mod proof;
+mod reached;
 mod refused;
 mod reports;
 mod resonance;

@@ -106,6 +106,6 @@ pub(super) async fn diagnose<P: PortSet, W: Pend>(
         main_loop.reply(Answer::Driver(motor, reading)).await?;
     }
     report_belt(main_loop).await?;
-    main_loop.reply(Answer::Overload).await?;
+    main_loop.tell(Answer::Overload);
     Ok(Answer::Heat)
 }

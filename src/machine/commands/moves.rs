@@ -3,34 +3,31 @@
 //! Each ends in `plan` of the main loop, which waits until there is room for the move.
 
 use super::arcs::arc::{Arc, Shape, Way, join, split};
-use super::cold_extrusion::{ColdExtrusion, tell_of_cold};
 use super::detour::is_own;
 use super::heating::{await_readings, heat_again};
 use super::pause::{Going, hold, resume_stream};
+use super::states::States;
 use crate::connectors::Heater;
 use crate::gcode::{ArcWords, AxisWords, Number};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::belt_answer::BeltAnswer;
-use crate::machine::answers::says::Facts;
-use crate::machine::answers::speaker::Speaker;
 use crate::machine::apart::apart;
 use crate::machine::belt::align::lacks_alignment;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::z_offset::z_reach;
 use crate::machine::ports::PortSet;
-use crate::machine::state::clamps::Clamps;
 use crate::machine::state::commanded::{Commanded, LEAST_FILAMENT, Wanted};
 use crate::machine::state::job::any_of;
 use crate::machine::state::kept_line::Kept;
 use crate::machine::state::modal::{FARTHEST, Modal, are_apart};
-use crate::machine::state::notices::{Notice, Notices};
+use crate::machine::state::notices::Notice;
 use crate::machine::state::program::Program;
-use crate::machine::state::retraction::{RetractionMove, RetractionSettings};
 use crate::machine::state::soft_endstops::clamp;
 use crate::motion::Target;
 use crate::port::{EndstopSet, Pend};
 use crate::settings::{Alignment, HomedAxis};
+use crate::text::Text;
 use crate::units::{Feed, Mm, part_of};
 use core::pin::pin;
 
@@ -54,38 +51,36 @@ pub(super) fn moving([x, y, z, _]: [Mm; 4], [to_x, to_y, to_z, _]: [Mm; 4]) -> [
     [are_apart(x, to_x), are_apart(y, to_y), are_apart(z, to_z)]
 }
 
-/// Borrowed context of a motion command: main loop, modal state, notices, and cold extrusion.
+/// Borrowed context of a motion command: main loop, and states of commands.
 pub(in crate::machine) struct Moves<'c, 'm, P: PortSet, W: Pend> {
     pub main_loop: &'c mut MainLoop<'m, P, W>,
-    pub modal: &'c mut Modal,
-    pub clamps: &'c mut Clamps,
-    pub notices: &'c mut Notices,
-    pub cold: &'c ColdExtrusion,
+    pub states: &'c mut States,
 }
 
 /// Whether a line may be carried out.
-enum Gate {
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Gate {
     Open,
     /// It may move, and the meaning of its words has changed.
     Changed,
     /// It is kept.
-    Kept(Answer<'static>),
+    Kept,
 }
 
 /// Whether a line is straight.
 #[derive(Clone, Copy)]
-enum Course {
+pub(super) enum Course {
     Straight,
     Arc,
 }
 
 /// The conditions that a line in a print must meet before it is carried out.
 #[derive(Clone, Copy)]
-struct Asked {
+pub(super) struct Asked {
     /// The axes that it moves.
-    moves: [bool; 3],
+    pub moves: [bool; 3],
     /// Filament forth, or back if it is negative.
-    filament: Mm,
+    pub filament: Mm,
 }
 
 impl Asked {
@@ -112,21 +107,21 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
                 wanted = self.wanted(to);
                 asked = self.asked(&wanted, Course::Straight);
             }
-            Gate::Kept(answer) => return Ok(answer),
+            Gate::Kept => return Ok(Answer::Kept),
         }
-        let feed = self.clamps.feed(self.modal, feed).unwrap_or(self.modal.feed);
-        self.tell_of(&wanted).await?;
-        if !self.may_move(asked.moves).await? {
+        let feed = self.states.clamps.feed(&self.states.modal, feed).unwrap_or(self.states.modal.feed);
+        self.tell_of(&wanted);
+        if !self.may_move(asked.moves) {
             return Ok(Answer::NotHomed);
         }
         let [x, y, _] = asked.moves;
-        if (x || y) && !self.may_print(wanted.position).await? {
+        if (x || y) && !self.may_print(wanted.position) {
             return Ok(Answer::Belt(BeltAnswer::Needed));
         }
         let may_be_script = is_own(self.main_loop);
-        self.main_loop.commanded.leave_park(wanted.position, to, self.modal, may_be_script);
+        self.main_loop.commanded.leave_park(wanted.position, to, &self.states.modal, may_be_script);
         self.go(wanted.position, feed).await?;
-        self.modal.feed = feed;
+        self.states.modal.feed = feed;
         self.main_loop.commanded.count_extrusion(wanted.extrusion);
         self.note_printed(asked);
         Ok(Answer::Nothing)
@@ -135,12 +130,12 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
     /// Where the words of a line lead.
     fn wanted(&self, to: &AxisWords) -> Wanted {
         let main_loop = &*self.main_loop;
-        main_loop.commanded.target(to, self.modal, &main_loop.settings, self.cold.is_too_cold(main_loop))
+        main_loop.commanded.target(to, &self.states.modal, &main_loop.settings, self.states.cold.is_too_cold(main_loop))
     }
 
     /// The conditions of a line to there.
     fn asked(&self, wanted: &Wanted, course: Course) -> Asked {
-        self.asked_of(&self.main_loop.commanded, self.modal, wanted, course)
+        self.asked_of(&self.main_loop.commanded, &self.states.modal, wanted, course)
     }
 
     /// The same of a program that stands there.
@@ -151,7 +146,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
             Course::Arc => join(modal.plane, [true, true], [false, false]),
         };
         let filament = wanted.extrusion.saturating_sub(commanded.extrusion());
-        let filament = if self.modal.dry_run { Mm::ZERO } else { filament };
+        let filament = if self.states.modal.dry_run { Mm::ZERO } else { filament };
         Asked { moves: [x || in_x, y || in_y, z || in_z], filament }
     }
 
@@ -173,52 +168,55 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
     /// In a print, a line waits for a heater that has switched off by itself. A line that cannot be carried out,
     /// because the hotend is too cold for it or an axis has lost its place, is kept. The answer says so. A line that
     /// prints begins a print. It ends a pause if it prints in the modes of the print's stream.
-    async fn hold_back(&mut self, mut asked: Asked, words: Option<(&AxisWords, Course)>) -> Result<Gate, Interrupt> {
+    pub(super) async fn hold_back(
+        &mut self,
+        mut asked: Asked,
+        words: Option<(&AxisWords, Course)>,
+    ) -> Result<Gate, Interrupt> {
         let mut gate = Gate::Open;
-        if asked.filament != Mm::ZERO && self.main_loop.heat.is_unread(Heater::Hotend, &self.main_loop.settings.thermal)
-        {
-            await_readings(self.main_loop, Heater::ALL.map(|heater| heater == Heater::Hotend)).await?;
-            gate = Gate::Changed;
-        }
-        if self.main_loop.job.is_paused() {
-            let Some((to, course)) = words.filter(|words| self.goes_on_in_stream(*words)) else { return Ok(gate) };
-            gate = Gate::Changed;
-            if let Going::Not(why) = resume_stream(self.main_loop, self.modal, self.cold).await? {
-                return self.keep(why).await;
+        let why = 'why: {
+            if asked.filament != Mm::ZERO
+                && self.main_loop.heat.is_unread(Heater::Hotend, &self.main_loop.settings.thermal)
+            {
+                await_readings(self.main_loop, Heater::ALL.map(|heater| heater == Heater::Hotend)).await?;
+                gate = Gate::Changed;
             }
-            asked = self.asked(&self.wanted(to), course);
-        }
-        if asked.prints() {
-            let host = self.main_loop.hosts.serving();
-            self.main_loop.job.begin(host);
-        }
-        if !self.main_loop.job.is_printing() {
-            return Ok(gate);
-        }
-        let (homed, job) = (self.main_loop.homed, &self.main_loop.job);
-        // What is printed is at a height, whatever the line moves.
-        let needed = any_of(asked.moves, [false, false, asked.prints()]);
-        let to_home = job.to_home(asked.moves, self.main_loop.settings.require_homing);
-        if homed.has_lost_one_of(needed) || homed.lacks_one_of(to_home) {
-            return self.keep(Kept::Lost(any_of(needed, to_home))).await;
-        }
-        if asked.filament.saturating_abs() < LEAST_FILAMENT {
-            return Ok(gate);
-        }
-        if self.main_loop.job.targets().is_some() {
-            gate = Gate::Changed;
-            apart(pin!(heat_again(self.main_loop))).await?;
-        }
-        if asked.filament > Mm::ZERO && self.cold.is_too_cold(self.main_loop) {
-            return self.keep(Kept::Cold).await;
-        }
-        Ok(gate)
-    }
-
-    /// The line is kept for that reason, and is carried out as if it came then.
-    async fn keep(&mut self, why: Kept) -> Result<Gate, Interrupt> {
-        self.clamps.clear();
-        hold(self.main_loop, self.modal, why).await.map(Gate::Kept)
+            if self.main_loop.job.is_paused() {
+                let Some((to, course)) = words.filter(|words| self.goes_on_in_stream(*words)) else { break 'why None };
+                gate = Gate::Changed;
+                if let Going::Not(why) = resume_stream(self.main_loop, self.states).await? {
+                    break 'why Some(why);
+                }
+                asked = self.asked(&self.wanted(to), course);
+            }
+            if asked.prints() {
+                let host = self.main_loop.hosts.serving();
+                self.main_loop.job.begin(host);
+            }
+            if !self.main_loop.job.is_printing() {
+                break 'why None;
+            }
+            let (homed, job) = (&self.main_loop.homed, &self.main_loop.job);
+            // What is printed is at a height, whatever the line moves.
+            let needed = any_of(asked.moves, [false, false, asked.prints()]);
+            let to_home = job.to_home(asked.moves, self.main_loop.settings.require_homing);
+            if homed.has_lost_one_of(needed) || homed.lacks_one_of(to_home) {
+                break 'why Some(Kept::Lost(any_of(needed, to_home)));
+            }
+            if asked.filament.saturating_abs() < LEAST_FILAMENT {
+                break 'why None;
+            }
+            if self.main_loop.job.targets().is_some() {
+                gate = Gate::Changed;
+                apart(pin!(heat_again(self.main_loop))).await?;
+            }
+            (asked.filament > Mm::ZERO && self.states.cold.is_too_cold(self.main_loop)).then_some(Kept::Cold)
+        };
+        let Some(why) = why else { return Ok(gate) };
+        // The line is kept for that reason, and is carried out as if it came then.
+        self.states.clamps.clear();
+        hold(self.main_loop, &self.states.modal, why).await?;
+        Ok(Gate::Kept)
     }
 
     /// A move that prints was planned. In a pause it is a button's: the line that ends a pause ends it before.
@@ -232,40 +230,41 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
 
     /// Whether these axes may move: they are homed, or need not be. In the second case the host is told once. An axis
     /// with a homing that failed does not move.
-    pub(super) async fn may_move(&mut self, moves: [bool; 3]) -> Result<bool, Interrupt> {
+    pub(super) fn may_move(&mut self, moves: [bool; 3]) -> bool {
         if !self.main_loop.homed.lacks_one_of(moves) {
-            return Ok(true);
+            return true;
         }
         if self.main_loop.settings.require_homing || self.main_loop.homed.has_failed_one_of(moves) {
-            self.clamps.clear();
-            return Ok(false);
+            self.states.clamps.clear();
+            return false;
         }
-        if self.notices.give(Notice::MotionBeforeHoming) {
-            self.main_loop
-                .reply(Answer::Line(packed!("echo:motion before homing (G28): the ends of the axes are unknown")))
-                .await?;
+        let line = text!("echo:motion before homing (G28): the ends of the axes are unknown");
+        self.tell_once(Notice::MotionBeforeHoming, line);
+        true
+    }
+
+    /// Says a line if the host has not got that notice yet.
+    fn tell_once(&mut self, notice: Notice, line: Text<'_>) {
+        if self.states.notices.give(notice) {
+            self.main_loop.say(line);
         }
-        Ok(true)
     }
 
     /// Whether x and y may move to `position`. They may if the move does not print, if the motors of the belt are
     /// aligned, or if they need not be. In the last case the host is told once.
-    async fn may_print(&mut self, position: [Mm; 4]) -> Result<bool, Interrupt> {
+    fn may_print(&mut self, position: [Mm; 4]) -> bool {
         let ([.., to], [.., from]) = (position, self.main_loop.commanded.position());
         let rule = self.main_loop.settings.belt.alignment;
         if rule == Alignment::Off || to.wrapping_sub(from) < LEAST_FILAMENT || !lacks_alignment(self.main_loop) {
-            return Ok(true);
+            return true;
         }
         if rule == Alignment::Required {
-            self.clamps.clear();
-            return Ok(false);
+            self.states.clamps.clear();
+            return false;
         }
-        if self.notices.give(Notice::NotAligned) {
-            self.main_loop
-                .reply(Answer::Line(packed!("echo:printing with belt motors that are not aligned (M915)")))
-                .await?;
-        }
-        Ok(true)
+        let line = text!("echo:printing with belt motors that are not aligned (M915)");
+        self.tell_once(Notice::NotAligned, line);
+        true
     }
 
     /// Plans a move within the reachable space and takes it as the commanded position.
@@ -281,7 +280,7 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
             ([x.saturating_sub(px), y.saturating_sub(py), z.saturating_sub(pz), e], moved)
         };
         if moved {
-            self.tell_of_edge().await?;
+            self.tell_of_edge();
         }
         if self.main_loop.motion.is_raising() && goes_down(self.main_loop.commanded.position(), inside) {
             // Fast moves pass before a shift of z, so this one would go too low.
@@ -294,37 +293,35 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
     }
 
     /// Reports once that a target was beyond the edge.
-    pub(super) async fn tell_of_edge(&mut self) -> Result<(), Interrupt> {
-        if self.notices.give(Notice::Edge) {
-            self.main_loop
-                .reply(Answer::Line(packed!(
-                    "echo:target out of reach, moved to the edge of the reachable \
-                space"
-                )))
-                .await?;
-        }
-        Ok(())
+    pub(super) fn tell_of_edge(&mut self) {
+        let line = text!("echo:target out of reach, moved to the edge of the reachable space");
+        self.tell_once(Notice::Edge, line);
     }
 
     /// The target of a line's words; the host is told of values beyond the limits.
-    pub(super) async fn target(&mut self, to: &AxisWords) -> Result<Wanted, Interrupt> {
+    pub(super) fn target(&mut self, to: &AxisWords) -> Wanted {
         let wanted = self.wanted(to);
-        self.tell_of(&wanted).await?;
-        Ok(wanted)
+        self.tell_of(&wanted);
+        wanted
     }
 
     /// Reports words beyond the limits.
-    async fn tell_of(&mut self, wanted: &Wanted) -> Result<(), Interrupt> {
+    fn tell_of(&mut self, wanted: &Wanted) {
         if wanted.is_held_back {
-            tell_of_cold(self.main_loop, self.notices).await?;
+            self.tell_of_cold();
         }
         if wanted.too_much {
-            self.main_loop.reply(Answer::says(say_too_much, 0)).await?;
+            let most = self.main_loop.settings.axes.e.length.to_num::<i32>();
+            self.main_loop.say(text!("echo:E left out: more than {most} mm of filament in one move"));
         }
         if wanted.is_too_far {
-            self.tell_of_edge().await?;
+            self.tell_of_edge();
         }
-        Ok(())
+    }
+
+    /// Reports once per print that filament was left out, because the hotend is too cold for it.
+    pub(super) fn tell_of_cold(&mut self) {
+        self.tell_once(Notice::Cold, text!("echo: cold extrusion prevented"));
     }
 
     /// G2, G3. The axis across the plane and E run evenly along the arc.
@@ -337,34 +334,41 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
                 wanted = self.wanted(&words.to);
                 asked = self.asked(&wanted, Course::Arc);
             }
-            Gate::Kept(answer) => return Ok(answer),
+            Gate::Kept => return Ok(Answer::Kept),
         }
-        let speed = self.clamps.feed(self.modal, words.feed).unwrap_or(self.modal.feed);
-        self.tell_of(&wanted).await?;
-        let plane = self.modal.plane;
+        let speed = self.states.clamps.feed(&self.states.modal, words.feed).unwrap_or(self.states.modal.feed);
+        self.tell_of(&wanted);
+        let plane = self.states.modal.plane;
         let (start, [sz, se]) = split(plane, self.main_loop.commanded.position());
         let (end, [ez, ee]) = split(plane, wanted.position);
-        let arc = Shape::new(words.shape, plane, |n| self.modal.length(n)).and_then(|shape| {
+        let arc = Shape::new(words.shape, plane, |n| self.states.modal.length(n)).and_then(|shape| {
             let way = Way { clockwise: words.clockwise, turns: words.turns };
-            Arc::new(start, end, shape, way, self.main_loop.settings.arc_tolerance, self.modal.rounding(words.decimals))
+            Arc::new(
+                start,
+                end,
+                shape,
+                way,
+                self.main_loop.settings.arc_tolerance,
+                self.states.modal.rounding(words.decimals),
+            )
         });
         let arc = match arc {
             Ok(arc) => arc,
             Err(error) => {
-                self.clamps.clear();
+                self.states.clamps.clear();
                 return Ok(Answer::Line(error.text()));
             }
         };
         let [x, y, z, _] = join(plane, [true, true], [are_apart(sz, ez), false]);
-        if !self.may_move([x, y, z]).await? {
+        if !self.may_move([x, y, z]) {
             return Ok(Answer::NotHomed);
         }
-        if !self.may_print(wanted.position).await? {
+        if !self.may_print(wanted.position) {
             return Ok(Answer::Belt(BeltAnswer::Needed));
         }
         let may_be_script = is_own(self.main_loop);
-        self.main_loop.commanded.leave_park(wanted.position, &words.to, self.modal, may_be_script);
-        self.modal.feed = speed;
+        self.main_loop.commanded.leave_park(wanted.position, &words.to, &self.states.modal, may_be_script);
+        self.states.modal.feed = speed;
         let begin = self.main_loop.commanded.extrusion();
         let between = |from: Mm, to: Mm, part: u32| {
             let length = to.to_bits().wrapping_sub(from.to_bits());
@@ -378,52 +382,4 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         self.note_printed(asked);
         Ok(Answer::Nothing)
     }
-
-    /// G10.
-    pub async fn retract(&mut self, settings: &RetractionSettings) -> Result<Answer<'static>, Interrupt> {
-        let speed = self.main_loop.settings.axes.z.max_speed;
-        let moves = self.main_loop.commanded.moves_away(settings, speed);
-        self.plan_retraction(moves, -settings.length).await
-    }
-
-    /// G11.
-    pub async fn recover(&mut self, settings: &RetractionSettings) -> Result<Answer<'static>, Interrupt> {
-        let speed = self.main_loop.settings.axes.z.max_speed;
-        let moves = self.main_loop.commanded.moves_back(settings, speed);
-        let [_, length] = self.main_loop.commanded.retracted();
-        self.plan_retraction(moves, length).await
-    }
-
-    /// Plans moves away from the commanded position, or back to it.
-    ///
-    /// Not with a cold hotend: filament that was pulled back stays so until the hotend is hot.
-    async fn plan_retraction(
-        &mut self,
-        moves: Option<[RetractionMove; 2]>,
-        filament: Mm,
-    ) -> Result<Answer<'static>, Interrupt> {
-        if moves.is_some()
-            && let Gate::Kept(answer) = self.hold_back(Asked { moves: [false; 3], filament }, None).await?
-        {
-            return Ok(answer);
-        }
-        if self.cold.is_too_cold(self.main_loop) {
-            tell_of_cold(self.main_loop, self.notices).await?;
-            return Ok(Answer::Nothing);
-        }
-        for step in moves.into_iter().flatten() {
-            let position = self.main_loop.commanded.after(step);
-            self.main_loop
-                .plan(Target { position, speed: step.speed.into(), has_overrides: false, watch: EndstopSet::NONE })
-                .await?;
-            self.main_loop.commanded.note_retraction(step);
-        }
-        self.main_loop.commanded.take_extra();
-        Ok(Answer::Nothing)
-    }
-}
-
-fn say_too_much(to: &mut Speaker<'_>, facts: &Facts<'_>) {
-    let most = facts.settings.axes.e.length.to_num::<i32>();
-    to.say(text!("echo:E left out: more than {most} mm of filament in one move"));
 }

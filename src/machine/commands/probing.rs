@@ -51,11 +51,11 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
                 Err(none) => return Ok(none.into()),
             };
             if named != [None; 2] {
-                tell_of_home_offsets(main_loop).await?;
+                tell_of_home_offsets(main_loop);
             }
             let end = if stays_out { AfterTouch::Out } else { AfterTouch::In };
             let height = touch_bed(main_loop, Some(at), end).await?;
-            main_loop.reply(Answer::Probe(ProbeAnswer::Bed { at, height })).await?;
+            main_loop.tell(Answer::Probe(ProbeAnswer::Bed { at, height }));
             Ok(Answer::Position { real: false })
         }
         ProbeCommand::Repeatability { at: named, touches, verbosity, other } => {
@@ -67,7 +67,7 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
             match place(main_loop, modal, named) {
                 Ok(at) => {
                     if named != [None; 2] {
-                        tell_of_home_offsets(main_loop).await?;
+                        tell_of_home_offsets(main_loop);
                     }
                     repeat(main_loop, at, touches, verbosity).await?;
                 }
@@ -110,7 +110,7 @@ async fn repeat<P: PortSet, W: Pend>(
     verbosity: u16,
 ) -> Result<(), Interrupt> {
     if verbosity > 0 {
-        main_loop.reply(Answer::Probe(ProbeAnswer::Test)).await?;
+        main_loop.tell(Answer::Probe(ProbeAnswer::Test));
     }
     find_bed(main_loop, Some(at)).await?;
     let mut found = Repeatability::default();
@@ -123,7 +123,8 @@ async fn repeat<P: PortSet, W: Pend>(
     }
     set_out(main_loop, AfterTouch::In).await?;
     let finished = ProbeAnswer::Finished { spread: found.spread(), is_verbose: verbosity > 0 };
-    main_loop.reply(Answer::Probe(finished)).await
+    main_loop.tell(Answer::Probe(finished));
+    Ok(())
 }
 
 /// M280.
@@ -152,16 +153,11 @@ fn order_servo<P: PortSet, W: Pend>(
 }
 
 /// A place of the probe is the machine's, as in Marlin: M206 does not count in it, and the host gets to know.
-pub(super) async fn tell_of_home_offsets<P: PortSet, W: Pend>(
-    main_loop: &mut MainLoop<'_, P, W>,
-) -> Result<(), Interrupt> {
+pub(super) fn tell_of_home_offsets<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) {
     let [x, y, _] = main_loop.settings.home_offsets();
-    if [x, y] == [Mm::ZERO; 2] {
-        return Ok(());
+    if [x, y] != [Mm::ZERO; 2] {
+        main_loop.say(text!("echo:places of the probe are the machine's: M206 does not count in X and Y"));
     }
-    main_loop
-        .reply(Answer::Line(packed!("echo:places of the probe are the machine's: M206 does not count in X and Y")))
-        .await
 }
 
 /// Why a place is not touched.

@@ -40,7 +40,7 @@ async fn look_again<P: PortSet, W: Pend>(
     measure_again(main_loop, residuals).await?;
     let aside = touch_both(main_loop).await?;
     if is_anywhere_aside(main_loop, aside) {
-        main_loop.reply(Answer::Belt(BeltAnswer::Touched(aside))).await?;
+        main_loop.tell(Answer::Belt(BeltAnswer::Touched(aside)));
         return Err(AlignError::Changed.into());
     }
     if main_loop.power.is_on(residuals.motors()) { Ok(aside) } else { Err(AlignError::Changed.into()) }

@@ -1,7 +1,9 @@
 //! Reports and messages.
 
+use super::heating::await_readings;
 use super::messages::send_message;
 use super::motors::diagnose;
+use crate::connectors::HEATERS;
 use crate::gcode::ReportCommand;
 use crate::machine::answers::answer::Answer;
 use crate::machine::interrupt::Interrupt;
@@ -25,6 +27,10 @@ pub(super) async fn carry_out<'a, P: PortSet, W: Pend>(
             main_loop.motion.look_at_endstops();
             main_loop.poll().await?;
             Answer::Endstops(main_loop.status.endstops())
+        }
+        ReportCommand::Temperatures => {
+            await_readings(main_loop, [true; HEATERS]).await?;
+            Answer::Temperatures
         }
         ReportCommand::Diagnose => return diagnose(main_loop).await,
     })

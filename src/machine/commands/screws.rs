@@ -152,7 +152,7 @@ pub(super) async fn level_screws<P: PortSet, W: Pend>(
     let (mut left, mut is_level) = (Mm::ZERO, false);
     while done < rounds && !is_level {
         done += 1;
-        main_loop.reply(Answer::Screws(ScrewAnswer::Round(done))).await?;
+        main_loop.tell(Answer::Screws(ScrewAnswer::Round(done)));
         let mut heights: Vec<f32, SCREWS> = Vec::new();
         for place in 0..screws.points.len() {
             let Some(point) = screws.points.get(place).copied() else { break };
@@ -268,7 +268,7 @@ pub(super) async fn tell_hand_screws<P: PortSet, W: Pend>(
         let higher = height.saturating_sub(first);
         // As Marlin has it (G35.cpp): a turn clockwise lifts the bed.
         let is_clockwise = (higher < Mm::ZERO) != is_reversed;
-        main_loop.reply(Answer::Screws(ScrewAnswer::Corner { corner, higher, pitch, is_clockwise })).await?;
+        main_loop.tell(Answer::Screws(ScrewAnswer::Corner { corner, higher, pitch, is_clockwise }));
     }
     Ok(Answer::Line(packed!("echo:Turn the screws, then send G35 again")))
 }

@@ -1,7 +1,5 @@
 //! SELF_TEST, and the wait for a self-test of the heaters that is under way. The one before the first heating after an
 //! update begins in `main_loop::heat` (`test_before_heating`).
-//!
-//! No firmware has an M-code for it, so it has a name, as Klipper's commands do.
 
 use super::heating::LINE_MS;
 use crate::machine::answers::answer::Answer;
@@ -15,9 +13,6 @@ use crate::port::{Pend, Storage};
 pub(in crate::machine) async fn test_heaters<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<Answer<'static>, Interrupt> {
-    if !main_loop.settings.thermal.has_heater() {
-        return Ok(Answer::Line(packed!("echo:no heaters configured, ignored")));
-    }
     main_loop.finish().await?;
     let image = main_loop.storage.image();
     main_loop.heat.begin_asked_test(&main_loop.settings.thermal, image);

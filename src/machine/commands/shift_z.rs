@@ -1,4 +1,5 @@
-//! Moves of z alone that a command makes by itself: the tool goes up before it crosses a print.
+//! Moves that a command makes by itself, and after which the program stands where they end: the tool goes up before it
+//! crosses a print, or over a place.
 
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
@@ -20,6 +21,16 @@ pub(super) async fn shift_z<P: PortSet, W: Pend>(
     let mut position = main_loop.motion.end_mm();
     let [_, _, z, _] = &mut position;
     *z = z.saturating_add(by);
+    go_to(main_loop, position, speed, watch).await
+}
+
+/// Goes straight to a place, and waits until the tool stands or a switch in `watch` is met.
+pub(super) async fn go_to<P: PortSet, W: Pend>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    position: [Mm; 4],
+    speed: MmPerSec,
+    watch: EndstopSet,
+) -> Result<(), Interrupt> {
     main_loop.plan(Target { position, speed: speed.into(), has_overrides: false, watch }).await?;
     main_loop.finish().await?;
     if watch != EndstopSet::NONE {

@@ -1,12 +1,25 @@
 //! State of the commands, kept from line to line or for one line (`clamps`): the main loop never needs it.
 
 use super::cold_extrusion::ColdExtrusion;
+use crate::machine::main_loop::MainLoop;
+use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::known_bed::PrintArea;
 use crate::machine::state::machine_pieces::MachinePieces;
 use crate::machine::state::modal::Modal;
 use crate::machine::state::notices::Notices;
 use crate::machine::state::retraction::RetractionSettings;
+use crate::port::Pend;
+
+/// Reports the clamped values to the host, and forgets them.
+pub(super) fn tell_clamps<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, clamps: &mut Clamps) {
+    let mut place = 0;
+    while let Some(clamp) = clamps.get(place) {
+        main_loop.say(text!("echo:{clamp}"));
+        place += 1;
+    }
+    clamps.clear();
+}
 
 /// All of it. The dispatch hands each command those that it names.
 pub(in crate::machine) struct States {

@@ -17,27 +17,6 @@ const BEYOND: Mm = Mm::const_from_int(10);
 /// The farthest that skipped steps may have moved a tool with a known place: 25 electrical turns of 0.8 mm.
 const ASIDE: Mm = Mm::const_from_int(20);
 
-/// Why homing failed.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum HomeError {
-    /// The switch did not respond as it should.
-    Failed(HomingFailure),
-    /// Something else ended it.
-    Interrupted(Interrupt),
-}
-
-impl From<HomingFailure> for HomeError {
-    fn from(failure: HomingFailure) -> Self {
-        Self::Failed(failure)
-    }
-}
-
-impl From<Interrupt> for HomeError {
-    fn from(interrupt: Interrupt) -> Self {
-        Self::Interrupted(interrupt)
-    }
-}
-
 /// An axis that can be homed.
 #[derive(Clone, Copy)]
 struct Axis {
@@ -59,31 +38,16 @@ pub(super) async fn home_named<P: PortSet, W: Pend>(
     let axis = facts(main_loop, axis);
     let was_homed = main_loop.homed.axes().get(axis.index) == Some(&true);
     main_loop.homed.begin(axis.index);
-    let result = home_axis(main_loop, &axis, was_homed).await;
-    end_homing(main_loop, &axis, result).await
+    home_axis(main_loop, &axis, was_homed).await?;
+    main_loop.homed.stop();
+    Ok(())
 }
 
-/// If homing failed the axis is not homed, and the job ends.
-async fn end_homing<T, P: PortSet, W: Pend>(
-    main_loop: &mut MainLoop<'_, P, W>,
-    axis: &Axis,
-    result: Result<T, HomeError>,
-) -> Result<T, Interrupt> {
-    if !matches!(result, Err(HomeError::Interrupted(_))) {
-        main_loop.homed.stop();
-    }
-    match result {
-        Ok(found) => Ok(found),
-        Err(HomeError::Interrupted(interrupt)) => Err(interrupt),
-        Err(HomeError::Failed(why)) => {
-            give_up(main_loop, axis, why);
-            Err(Interrupt::EndJob)
-        }
-    }
-}
-
-/// The axis stays where it is, and its place is not known.
-fn give_up<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, axis: &Axis, why: HomingFailure) {
+/// The axis stays where it is, and its place is not known: the job ends.
+#[cold]
+#[inline(never)]
+fn give_up<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, axis: &Axis, why: HomingFailure) -> Interrupt {
+    main_loop.homed.stop();
     let mechanism = main_loop.motion.groups().mechanism();
     // A search in vain ends where the frame stops the axis.
     let is_pressed = matches!(why, HomingFailure::NotMet { .. });
@@ -94,6 +58,7 @@ fn give_up<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, axis: &Axis,
     }
     main_loop.commanded.stand_at(main_loop.motion.end_mm());
     main_loop.job.note_end(JobEnd::NotHomed { axis: axis.axis, why });
+    Interrupt::EndJob
 }
 
 /// Meets the switch of an axis once more, and backs off. Returns the distance in steps from the expected position: the
@@ -102,18 +67,14 @@ pub(super) async fn touch<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     axis: HomedAxis,
 ) -> Result<i32, Interrupt> {
-    let axis = facts(main_loop, axis);
-    let result = touch_axis(main_loop, &axis).await;
-    end_homing(main_loop, &axis, result).await
-}
-
-async fn touch_axis<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, axis: &Axis) -> Result<i32, HomeError> {
+    let axis = &facts(main_loop, axis);
     // The place is known: where the switch is dead, the axis does not press on along its whole length.
     let at = main_loop.motion.end_mm().get(axis.index).copied().unwrap_or_default();
     let back_off = find_switch(main_loop, axis, axis.endstop.towards(axis.place.saturating_sub(at)) + ASIDE).await?;
     let aside = steps_aside(main_loop, axis);
     shift_axis(main_loop, axis.index, -axis.endstop.towards(back_off), axis.homing.fast, EndstopSet::NONE).await?;
     main_loop.commanded.stand_at(main_loop.motion.end_mm());
+    main_loop.homed.stop();
     Ok(aside)
 }
 
@@ -148,7 +109,7 @@ async fn home_axis<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     axis: &Axis,
     was_homed: bool,
-) -> Result<(), HomeError> {
+) -> Result<(), Interrupt> {
     find_switch(main_loop, axis, axis.endstop.longest_way(axis.reach) + BEYOND).await?;
     if was_homed {
         let aside = steps_aside(main_loop, axis);
@@ -165,10 +126,10 @@ async fn find_switch<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     axis: &Axis,
     way: Mm,
-) -> Result<Mm, HomeError> {
+) -> Result<Mm, Interrupt> {
     let start = main_loop.motion.real_steps();
     if !approach(main_loop, axis, way, axis.homing.fast).await? {
-        return Err(HomingFailure::NotMet { way: way.to_num() }.into());
+        return Err(give_up(main_loop, axis, HomingFailure::NotMet { way: way.to_num() }));
     }
     // If the axis did not move, it was at the switch already, or anywhere behind it.
     let depth = if main_loop.motion.real_steps() == start { axis.endstop.depth(axis.reach) } else { Mm::ZERO };
@@ -178,10 +139,10 @@ async fn find_switch<P: PortSet, W: Pend>(
     let sought = back_off * 2;
     let before = main_loop.motion.real_steps();
     if !approach(main_loop, axis, sought, axis.homing.slow).await? {
-        return Err(HomingFailure::NotMet { way: sought.to_num() }.into());
+        return Err(give_up(main_loop, axis, HomingFailure::NotMet { way: sought.to_num() }));
     }
     if main_loop.motion.real_steps() == before {
-        return Err(HomingFailure::StillPressed { back_off: back_off.to_num() }.into());
+        return Err(give_up(main_loop, axis, HomingFailure::StillPressed { back_off: back_off.to_num() }));
     }
     let path = main_loop.motion.path();
     main_loop.homed.note_met(axis.index, path);
@@ -194,9 +155,9 @@ async fn approach<P: PortSet, W: Pend>(
     axis: &Axis,
     distance: Mm,
     speed: MmPerSec,
-) -> Result<bool, HomeError> {
+) -> Result<bool, Interrupt> {
     if !main_loop.status.inputs().has(axis.switch) {
-        return Err(HomingFailure::NotConnected.into());
+        return Err(give_up(main_loop, axis, HomingFailure::NotConnected));
     }
     shift_axis(main_loop, axis.index, axis.endstop.towards(distance), speed, axis.switch).await?;
     let met = !main_loop.status.triggered().is_empty();

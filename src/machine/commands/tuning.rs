@@ -53,7 +53,7 @@ pub(in crate::machine) async fn tune<P: PortSet, W: Pend>(
         return Ok(Answer::Line(packed!("echo:M303 ignored: S is the temperature to tune at, 40 or more")));
     }
     main_loop.finish().await?;
-    main_loop.reply(Answer::Line(packed!("PID Autotune start"))).await?;
+    main_loop.say(text!("PID Autotune start"));
     main_loop.pauses.begin(Waiting::Tuning);
     let image = main_loop.storage.image();
     main_loop.heat.test_before_heating(&main_loop.settings.thermal, image);
@@ -71,7 +71,7 @@ pub(in crate::machine) async fn tune<P: PortSet, W: Pend>(
     if applies {
         apply(&tuned, main_loop.heat_settings().heater_mut(heater));
     }
-    main_loop.reply(Answer::Tuned(heater, tuned)).await?;
+    main_loop.tell(Answer::Tuned(heater, tuned));
     Ok(if applies {
         Answer::Nothing
     } else {
@@ -121,14 +121,12 @@ async fn await_tuning<P: PortSet, W: Pend>(
                 Tuning::Done => return Ok(Ok(status.heat().tuned())),
                 Tuning::Cooling => {
                     if !core::mem::replace(&mut is_cooling, true) {
-                        main_loop
-                            .reply(Answer::Line(packed!("echo:too hot to begin, it cools first; M108 ends this wait")))
-                            .await?;
+                        main_loop.say(text!("echo:too hot to begin, it cools first; M108 ends this wait"));
                     }
                 }
                 Tuning::Cycle(done) => {
                     if core::mem::replace(&mut cycle, done) != done {
-                        main_loop.reply(Answer::TuningCycle(heater, done)).await?;
+                        main_loop.say(text!("echo:{}: {done} cycles done", heater.name()));
                     }
                 }
                 Tuning::None => return Ok(Err(None)),

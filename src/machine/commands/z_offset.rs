@@ -5,7 +5,7 @@
 //! Without P0 the change is kept over homing, and M500 stores it.
 
 use super::moves::Moves;
-use crate::gcode::{Number, OffsetWords};
+use crate::gcode::{MotionCommand, Number, OffsetWords};
 use crate::machine::answers::answer::Answer;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
@@ -47,51 +47,19 @@ fn misfit<P: PortSet, W: Pend>(
 }
 
 impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
-    /// M290. It waits for nothing but power.
-    pub async fn babystep(&mut self, by: Option<Number>, is_kept: bool) -> Result<Answer<'static>, Interrupt> {
-        let Some(by) = by else { return Ok(Answer::ZOffset) };
-        let Some(by) = self.clamps.length_of(self.modal, ["M290", "Z"], by, MOST, None) else {
-            return Ok(Answer::Nothing);
+    /// M290 and SET_GCODE_OFFSET. They wait for nothing but power.
+    pub async fn offset_z(&mut self, command: &MotionCommand) -> Result<Answer<'static>, Interrupt> {
+        let shift = match *command {
+            MotionCommand::Babystep { by, is_kept } => self.babystep(by, is_kept),
+            MotionCommand::ZOffset(words) => self.z_offset(words),
+            _ => return Ok(Answer::Nothing),
         };
-        let store = self.main_loop.settings.store_of_shifts();
-        self.shift(by, is_kept.then_some(store)).await
-    }
-
-    /// SET_GCODE_OFFSET, in mm even after G20.
-    pub async fn z_offset(&mut self, words: OffsetWords) -> Result<Answer<'static>, Interrupt> {
-        let kept = self.main_loop.settings.bed.z_offset;
-        let read = |number: Number| Mm::saturating_from_num(number.value());
-        let by = match (words.to, words.by) {
-            (Some(to), _) => read(to).saturating_sub(kept),
-            (None, Some(by)) => read(by),
-            (None, None) => return Ok(Answer::ZOffset),
+        let (by, store) = match shift {
+            Ok(shift) => shift,
+            Err(answer) => return Ok(answer),
         };
-        let [.., is_homed] = self.main_loop.homed.axes();
-        if words.moves && is_homed {
-            return self.shift(by, Some(ZStore::Program)).await;
-        }
-        if !may_be_kept(&self.main_loop.settings, ZStore::Program, by) {
-            return Ok(TOO_FAR);
-        }
-        let_z_stand(self.main_loop, by);
-        Ok(Answer::Nothing)
-    }
-
-    /// Z moves by so much, as soon as its limits leave room for it.
-    async fn shift(&mut self, by: Mm, store: Option<ZStore>) -> Result<Answer<'static>, Interrupt> {
-        if by == Mm::ZERO {
-            return Ok(Answer::Nothing);
-        }
-        if let Some(answer) = misfit(self.main_loop, by, store) {
+        if let Some(answer) = self.refuse_shift(by, store) {
             return Ok(answer);
-        }
-        if !self.may_move([false, false, true]).await? {
-            return Ok(Answer::NotHomed);
-        }
-        let [.., is_homed] = self.main_loop.homed.axes();
-        let [_, _, end, _] = self.main_loop.motion.end_mm();
-        if is_homed && self.main_loop.settings.soft_endstops && end.saturating_add(by) > z_reach(self.main_loop).most {
-            return Ok(Answer::Line(packed!("echo:ignored: Z would leave its axis")));
         }
         let motors = self.main_loop.motion.groups().mechanism().motors_of(2);
         if !self.main_loop.power.is_on(motors) {
@@ -99,5 +67,55 @@ impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
         }
         shift_z(self.main_loop, by, store);
         Ok(Answer::Nothing)
+    }
+
+    /// The shift of M290, or the answer if there is none.
+    #[allow(clippy::result_large_err, reason = "the answer is what the caller returns")]
+    fn babystep(&mut self, by: Option<Number>, is_kept: bool) -> Result<(Mm, Option<ZStore>), Answer<'static>> {
+        let Some(by) = by else { return Err(Answer::ZOffset) };
+        let Some(by) = self.states.clamps.length_of(&self.states.modal, ["M290", "Z"], by, MOST, None) else {
+            return Err(Answer::Nothing);
+        };
+        let store = self.main_loop.settings.store_of_shifts();
+        Ok((by, is_kept.then_some(store)))
+    }
+
+    /// The shift of SET_GCODE_OFFSET, in mm even after G20, or the answer if nothing moves.
+    #[allow(clippy::result_large_err, reason = "the answer is what the caller returns")]
+    fn z_offset(&mut self, words: OffsetWords) -> Result<(Mm, Option<ZStore>), Answer<'static>> {
+        let kept = self.main_loop.settings.bed.z_offset;
+        let read = |number: Number| Mm::saturating_from_num(number.value());
+        let by = match (words.to, words.by) {
+            (Some(to), _) => read(to).saturating_sub(kept),
+            (None, Some(by)) => read(by),
+            (None, None) => return Err(Answer::ZOffset),
+        };
+        let [.., is_homed] = self.main_loop.homed.axes();
+        if words.moves && is_homed {
+            return Ok((by, Some(ZStore::Program)));
+        }
+        if !may_be_kept(&self.main_loop.settings, ZStore::Program, by) {
+            return Err(TOO_FAR);
+        }
+        let_z_stand(self.main_loop, by);
+        Err(Answer::Nothing)
+    }
+
+    /// Why z does not move by so much; it moves as soon as its limits leave room for it.
+    fn refuse_shift(&mut self, by: Mm, store: Option<ZStore>) -> Option<Answer<'static>> {
+        if by == Mm::ZERO {
+            return Some(Answer::Nothing);
+        }
+        if let Some(answer) = misfit(self.main_loop, by, store) {
+            return Some(answer);
+        }
+        if !self.may_move([false, false, true]) {
+            return Some(Answer::NotHomed);
+        }
+        let [.., is_homed] = self.main_loop.homed.axes();
+        let [_, _, end, _] = self.main_loop.motion.end_mm();
+        let is_beyond = end.saturating_add(by) > z_reach(self.main_loop).most;
+        (is_homed && self.main_loop.settings.soft_endstops && is_beyond)
+            .then_some(Answer::Line(packed!("echo:ignored: Z would leave its axis")))
     }
 }

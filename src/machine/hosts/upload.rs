@@ -13,7 +13,7 @@
 //! Time does not end it: a host may be slow, and the rest of its file would then be carried out.
 
 use super::asked::Asked;
-use crate::gcode::{self, Command, HeatCommand, JobCommand, MotionCommand};
+use crate::gcode::{self, Command, JobCommand, MotionCommand, ReportCommand};
 use crate::units::Instant;
 
 /// Pronsole starts the file as soon as M28 is sent; this is more time than any computer takes.
@@ -58,7 +58,7 @@ const fn acts(command: &Command<'_>) -> bool {
                 | JobCommand::Continue
                 | JobCommand::Answer
                 | JobCommand::Restart
-        ) | Command::Heat(HeatCommand::ReportTemperatures)
+        ) | Command::Report(ReportCommand::Temperatures)
             | Command::Motion(MotionCommand::QuickStop)
     )
 }

@@ -7,7 +7,7 @@
 
 use crate::driver;
 use crate::fault::Fault;
-use crate::gcode::{Command, HeatCommand, MotionCommand, PlainWords, ReportCommand, SettingCommand};
+use crate::gcode::{Command, MotionCommand, PlainWords, ReportCommand, SettingCommand};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::speaker::Progress;
 use crate::machine::hosts::asked::Asked;
@@ -70,7 +70,7 @@ fn answer_halted(asked: Asked, parse: fn(&[u8]) -> Command<'_>, text: &[u8]) -> 
         Asked::Question(last) => [Answer::Nothing, Answer::Question(last)],
         Asked::TooLong => return None,
         Asked::Command => match parse(text) {
-            Command::Heat(HeatCommand::ReportTemperatures) => [Answer::Nothing, Answer::Temperatures],
+            Command::Report(ReportCommand::Temperatures) => [Answer::Nothing, Answer::Temperatures],
             Command::Report(ReportCommand::ReportFirmware) => [Answer::Firmware, Answer::Ok],
             command if is_said_on_connecting(&command) => [greeting, Answer::Ok],
             _ => return None,

@@ -134,7 +134,8 @@ pub(super) async fn align_by_phases<P: PortSet, W: Pend>(
     for (number, residual) in residuals.iter().enumerate() {
         if !is_in_phase(main_loop, number, residual).await? {
             main_loop.trimming.forget();
-            return main_loop.reply(Answer::Belt(BeltAnswer::NotAligned(AlignError::Phase))).await;
+            main_loop.tell(Answer::Belt(BeltAnswer::NotAligned(AlignError::Phase)));
+            return Ok(());
         }
     }
     main_loop.trimming.align();
@@ -197,10 +198,7 @@ pub(in crate::machine) async fn find_phase<P: PortSet, W: Pend>(
 /// Keeps the proved findings, phases as the settings of the belt, and tells what the phases say of the pulleys. With
 /// `after_work`, as M915 is due after work on the belt, every phase is kept. Otherwise not one of a pulley that slips
 /// on its shaft: it may slip again.
-pub(in crate::machine) async fn keep_findings<P: PortSet, W: Pend>(
-    main_loop: &mut MainLoop<'_, P, W>,
-    after_work: bool,
-) -> Result<(), Interrupt> {
+pub(in crate::machine) fn keep_findings<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, after_work: bool) {
     let residuals = main_loop.settings.residuals();
     for (number, residual) in residuals.iter().enumerate().take(PHASES) {
         let Some(found) = main_loop.trimming.found(number) else { continue };
@@ -218,22 +216,21 @@ pub(in crate::machine) async fn keep_findings<P: PortSet, W: Pend>(
             main_loop.trimming.note_phase(is_kept);
         }
         if shift != Shift::None {
-            main_loop.reply(Answer::Belt(BeltAnswer::Pulley { number, by, shift, is_kept })).await?;
+            main_loop.tell(Answer::Belt(BeltAnswer::Pulley { number, by, shift, is_kept }));
         }
     }
-    Ok(())
 }
 
 /// A diagnosis has found that a pulley has moved on the belt or its shaft, and nothing has proved the new phase. So
 /// none is known, and motors are not aligned by the old one when they get power.
-pub(in crate::machine) async fn drop_phase<P: PortSet, W: Pend>(
+pub(in crate::machine) fn drop_phase<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
     number: usize,
     by: i32,
     shift: Shift,
-) -> Result<(), Interrupt> {
+) {
     main_loop.settings.keep_phase(number, Belt::NO_PHASE);
-    main_loop.reply(Answer::Belt(BeltAnswer::Pulley { number, by, shift, is_kept: false })).await
+    main_loop.tell(Answer::Belt(BeltAnswer::Pulley { number, by, shift, is_kept: false }));
 }
 
 #[cfg(test)]

@@ -3,7 +3,6 @@
 
 use super::phase::{align_by_phases, meet_phases};
 use crate::driver::{DriverError, Fault, Job, News, Reading};
-use crate::machine::answers::answer::Answer;
 use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
@@ -25,7 +24,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// belt. Talking to drivers and settling take up to a second and a half and happen before anything is planned, so
     /// they change no step.
     pub async fn power_up(&mut self, motors: MotorSet) -> Result<(), Interrupt> {
-        refuse_without_machine(self).await?;
+        refuse_without_machine(self)?;
         let residuals = self.settings.residuals();
         self.power.watch_closely(residuals.motors());
         let before = self.power.powered();
@@ -44,7 +43,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     /// Gives power to these motors and to no other one of their belt, which is not aligned: some of its motors turn
     /// freely. Until `trim::end_buzz` takes the power away again.
     pub async fn power_for_buzz(&mut self, motors: MotorSet) -> Result<(), Interrupt> {
-        refuse_without_machine(self).await?;
+        refuse_without_machine(self)?;
         self.unpower(motors);
         self.power.watch_closely(motors);
         self.trimming.begin_buzz(motors);
@@ -64,7 +63,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
                     // Before the message to the host, which may be slow.
                     self.unpower(self.power.powered().without(before));
                     let name = self.settings.name_of(motor);
-                    self.reply(Answer::NoPower(Fault { motor, name, error })).await?;
+                    let fault = Fault { motor, name, error };
+                    self.say(text!("Error:{fault}; no motor got power"));
                     return Err(Interrupt::NoPower);
                 }
                 continue;
@@ -170,8 +170,8 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
 }
 
 /// Says why this board has no machine, if it has none.
-async fn refuse_without_machine<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
+fn refuse_without_machine<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
     let Some(why) = main_loop.power.refusal() else { return Ok(()) };
-    main_loop.reply(Answer::Refused(why)).await?;
+    main_loop.say(text!("Error:{why}; no motor got power"));
     Err(Interrupt::NoPower)
 }

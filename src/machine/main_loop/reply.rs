@@ -1,4 +1,5 @@
-//! Replies: an answer is written here; if a part finds no room, the caller waits.
+//! Replies: an answer is written here; if a part finds no room, the caller waits. What a command says on its way goes
+//! ahead, into room that is kept for it, so only `reply` has a place to wait in.
 //!
 //! An answer of one line is worded here, one of several lines in `reports`. If a report needs data that the main loop
 //! does not own, the command returns that data in its answer.
@@ -28,11 +29,11 @@ use crate::machine::reports::resonance_report::report_resonance;
 use crate::machine::reports::screw_report::report_screws;
 use crate::machine::reports::settings_report::{report_setting, report_settings};
 use crate::machine::reports::storage_report::report_storage;
-use crate::machine::state::clamps::Clamps;
 use crate::port::Pend;
 use crate::protocol::{Echo, Owed, Replies};
 use crate::settings::Settings;
 use crate::storage::is_present;
+use crate::text::Text;
 use crate::units::Instant;
 
 impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
@@ -45,22 +46,36 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         Ok(())
     }
 
-    /// Reports the clamped values to the host.
-    pub async fn reply_clamps(&mut self, clamps: &mut Clamps) -> Result<(), Interrupt> {
-        let mut place = 0;
-        while let Some(clamp) = clamps.get(place) {
-            self.reply(Answer::Clamp(clamp)).await?;
-            place += 1;
+    /// Says an answer of few lines to the host being served, at once: they go ahead of what waits for room. It is for
+    /// what a command says on its way, and the answer at its end waits.
+    pub fn tell(&mut self, answer: Answer<'_>) {
+        self.progress = Progress::default();
+        self.go_ahead(true);
+        self.write(&answer);
+        self.go_ahead(false);
+    }
+
+    /// Says a line in the same way.
+    pub fn say(&mut self, line: Text<'_>) {
+        self.progress = Progress::default();
+        self.progress.begin();
+        self.go_ahead(true);
+        Speaker::new(&mut self.progress, &mut self.hosts).say(line);
+        self.go_ahead(false);
+    }
+
+    /// Whether lines to the host being served go ahead of what waits for room.
+    fn go_ahead(&mut self, may: bool) {
+        if let Some(replies) = self.hosts.replies() {
+            replies.go_ahead(may);
         }
-        clamps.clear();
-        Ok(())
     }
 
     /// Writes the parts of an answer for which there is room; true if all are written.
     pub(super) fn write(&mut self, answer: &Answer<'_>) -> bool {
         self.progress.begin();
         match answer {
-            Answer::Nothing | Answer::Kept => {}
+            Answer::Nothing | Answer::Then(_) | Answer::Kept => {}
             Answer::Ok => self.reply_ok(),
             answer => self.reply_answer(answer),
         }
@@ -110,7 +125,12 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
         let s: &Settings = settings;
         let to = &mut Speaker::new(progress, hosts);
         match *answer {
-            Answer::Nothing | Answer::Kept | Answer::Ok | Answer::Position { .. } | Answer::Says(_) => {}
+            Answer::Nothing
+            | Answer::Then(_)
+            | Answer::Kept
+            | Answer::Ok
+            | Answer::Position { .. }
+            | Answer::Says(_) => {}
             Answer::LineNumber(number) => to.put(&|replies| replies.line_number(number)),
             Answer::TooLong => to.put(&Replies::too_long),
             Answer::Question(last) => to.put(&|replies| replies.question(last)),
@@ -120,7 +140,6 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             Answer::NotObeyed(command, word) => {
                 to.say(text!("echo:{command} {} is not supported by this firmware", Echo(word)));
             }
-            Answer::Clamp(clamp) => to.say(text!("echo:{clamp}")),
             Answer::NotHomed => to.say(text!("echo:move ignored: home its axes first (G28)")),
             Answer::ZOffset => report_z_offset(to, motion.shifted_z(), s, first_layer.are_stored(s)),
             Answer::Temperatures => to.say(text!("ok {temperatures}")),
@@ -128,14 +147,12 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             Answer::Heating(Some(missing)) => to.say(text!(" {temperatures} W:{missing}")),
             Answer::NoHeat(code, fault) => to.say(text!("echo:{code} ignored: {fault}")),
             Answer::HeatSetting(setting) => report_heat_setting(to, setting, &s.thermal),
-            Answer::TuningCycle(heater, done) => to.say(text!("echo:{}: {done} cycles done", heater.name())),
             Answer::Tuned(heater, tuned) => report_tuned(to, heater, &tuned),
             Answer::Start => {
                 to.put(&Replies::start);
                 to.say(text!("echo:corehbot {}", env!("CARGO_PKG_VERSION")));
             }
             Answer::Line(line) => to.say(text!("{line}")),
-            Answer::Action(action) => to.say(text!("{action}")),
             Answer::Message(form, text) => {
                 // Not as a text: what a host said is not unpacked.
                 to.put(&|replies| replies.line(format_args!("{}", Message { form, text })));
@@ -185,9 +202,6 @@ impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
             Answer::Resonance(answer) => report_resonance(to, &answer),
             Answer::Screws(answer) => report_screws(to, &answer),
             Answer::Storage(news) => report_storage(to, &news),
-            Answer::Refused(why) => to.say(text!("Error:{why}; no motor got power")),
-            Answer::NoMachine(why) => to.say(text!("echo:{why}; no motor gets power")),
-            Answer::NoPower(fault) => to.say(text!("Error:{fault}; no motor got power")),
         }
     }
 

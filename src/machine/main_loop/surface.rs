@@ -5,7 +5,7 @@
 //!
 //! | | |
 //! |---|---|
-//! | [`set_mesh`] | for commands: another mesh; they have set whether z follows it |
+//! | [`take_known_mesh`] | for commands: another mesh; they have set whether z follows it |
 //! | [`leave_surface`] | at the begin of a command that goes in real z, as homing and probing do |
 //! | [`keep_to_surface`] | after each command, however it ended: the Console calls it |
 //!
@@ -23,13 +23,12 @@ pub(in crate::machine) fn lay_mesh<P: PortSet, W: Pend>(main_loop: &mut MainLoop
     main_loop.live_settings().set_mesh_on(true);
 }
 
-/// Has another mesh of the bed, or none. The settings say whether z follows it.
-pub(in crate::machine) async fn set_mesh<P: PortSet, W: Pend>(
+/// Takes the mesh that is known of the bed now, or none. The settings say whether z follows it.
+pub(in crate::machine) async fn take_known_mesh<P: PortSet, W: Pend>(
     main_loop: &mut MainLoop<'_, P, W>,
-    mesh: Option<&Mesh>,
 ) -> Result<(), Interrupt> {
     leave_surface(main_loop).await?;
-    main_loop.motion.set_mesh(mesh);
+    main_loop.motion.set_mesh(main_loop.bed.mesh().map(|known| &known.mesh));
     keep_to_surface(main_loop).await
 }
 

@@ -3,7 +3,7 @@
 
 use super::MainLoop;
 use crate::machine::interrupt::Interrupt;
-use crate::machine::main_loop::surface::{leave_surface, set_mesh};
+use crate::machine::main_loop::surface::{leave_surface, take_known_mesh};
 use crate::machine::main_loop::z_offset::move_origins;
 use crate::machine::numbers::exact;
 use crate::machine::ports::PortSet;
@@ -36,15 +36,9 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         self.power.want(&self.settings);
     }
 
-    /// Has drivers hold something else for a while, and waits until they do.
-    pub async fn configure_drivers(&mut self, wanted: &Settings) -> Result<(), Interrupt> {
-        self.power.want(wanted);
-        self.await_drivers().await
-    }
-
-    /// Writes the settings to the drivers again, and waits until they hold them.
-    pub async fn restore_drivers(&mut self) -> Result<(), Interrupt> {
-        self.power.want(&self.settings);
+    /// Has drivers hold something else for a while, or the settings in use again, and waits until they do.
+    pub async fn configure_drivers(&mut self, other: Option<&Settings>) -> Result<(), Interrupt> {
+        self.power.want(other.unwrap_or(&self.settings));
         self.await_drivers().await
     }
 
@@ -107,7 +101,6 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
         }
         let [x, y] = by.map(exact);
         self.hosts.notify_all(text!("echo:the mesh moves with the probe: X{x} Y{y}. After a rebuild send G29"));
-        let mesh = self.bed.mesh().map(|known| known.mesh);
-        set_mesh(self, mesh.as_ref()).await
+        take_known_mesh(self).await
     }
 }

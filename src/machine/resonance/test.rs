@@ -97,7 +97,7 @@ async fn hear_resting<P: PortSet, W: Pend>(
 ) -> Result<(), Interrupt> {
     hear_noise(main_loop, session, SweepAxis::X).await?;
     let Some(samples) = samples.filter(|_| session.fault.is_none()) else { return Ok(()) };
-    main_loop.reply(Answer::Resonance(ResonanceAnswer::RawHead)).await?;
+    main_loop.tell(Answer::Resonance(ResonanceAnswer::RawHead));
     session.begin(&Sweep::NONE, main_loop.now(), true);
     apart(pin!(hear(main_loop, session, Until::Taken(samples)))).await
 }
@@ -129,7 +129,7 @@ pub(in crate::machine) async fn test_resonances<P: PortSet, W: Pend>(
     }
     if is_weaker {
         let weaker = ResonanceAnswer::Weaker { accel_per_hz: sweep.accel_per_hz, limit };
-        main_loop.reply(Answer::Resonance(weaker)).await?;
+        main_loop.tell(Answer::Resonance(weaker));
     }
     main_loop.power_up(main_loop.motion.groups().fitted()).await?;
     let place = main_loop.motion.end_mm();
@@ -212,7 +212,7 @@ async fn test<P: PortSet, W: Pend>(
             return Ok(Some(ResonanceAnswer::Noisy(kind, noise)));
         }
         if words.wants_raw {
-            main_loop.reply(Answer::Resonance(ResonanceAnswer::RawHead)).await?;
+            main_loop.tell(Answer::Resonance(ResonanceAnswer::RawHead));
         }
     }
     start_sweep(main_loop, *sweep).await?;

@@ -177,11 +177,6 @@ impl Clamps {
         self.refuses
     }
 
-    /// Whether all values were legal, as they nearly always are.
-    pub fn are_none(&self) -> bool {
-        self.list.is_empty()
-    }
-
     /// Starts a line without clamps.
     pub fn clear(&mut self) {
         self.list.clear();

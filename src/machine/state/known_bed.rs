@@ -3,6 +3,7 @@
 use crate::gcode::{Number, places};
 use crate::settings::Range;
 use crate::storage::StoredMesh;
+use crate::surface::Mesh;
 use crate::units::Mm;
 
 /// The mesh, where it is from, and whether it is kept.
@@ -28,9 +29,17 @@ impl KnownBed {
         self.mesh.as_ref()
     }
 
-    /// A mesh was measured or changed.
+    /// A mesh was measured.
     pub const fn know(&mut self, mesh: StoredMesh, is_part: bool) {
         *self = Self { mesh: Some(mesh), is_part, is_kept: false, forgets_kept: false };
+    }
+
+    /// The mesh was changed, if it can be so.
+    pub const fn change(&mut self, changed: Option<&Mesh>) {
+        if let (Some(known), Some(changed)) = (&mut self.mesh, changed) {
+            known.mesh = *changed;
+        }
+        (self.is_kept, self.forgets_kept) = (false, false);
     }
 
     /// A kept mesh was taken.

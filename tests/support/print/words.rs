@@ -2,7 +2,6 @@
 
 use core::fmt::{self, Formatter, Write};
 
-use corehbot::connectors::Heater;
 use corehbot::gcode::{AxisFlags, AxisWords, Number, ParkWords, VelocityWords};
 
 /// A line of letters and numbers with the last word of each letter, without comments and texts in quotes.
@@ -46,16 +45,6 @@ pub fn reduced(f: &mut Formatter<'_>, line: &[u8]) -> fmt::Result {
     }
     let words: Vec<_> = words.into_iter().map(|(letter, number)| format!("{letter}{number}")).collect();
     f.write_str(&words.join(" "))
-}
-
-/// The number of a heater in E.
-pub const fn index(heater: Option<Heater>) -> &'static str {
-    match heater {
-        Some(Heater::Hotend) => "E0",
-        Some(Heater::Bed) => "E-1",
-        Some(Heater::Chamber) => "E-2",
-        None => "E7",
-    }
 }
 
 /// A text, with `?` for every byte that is neither printable ASCII nor a tab.

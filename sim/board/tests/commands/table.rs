@@ -7,7 +7,6 @@ use corehbot::protocol::BUSY_PAUSED;
 pub type Row = (&'static str, &'static [&'static str]);
 
 const SILENCE: &[&str] = &[];
-const HEATERS: &[&str] = &["echo:no heaters configured"];
 const UNTUNED: &[&str] = &["echo:no heaters configured, ignored"];
 const NO_PROBE: &[&str] = &["echo:no probe configured, ignored"];
 const NO_MESH: &[&str] = &["echo:Invalid mesh. G29 measures one"];
@@ -39,8 +38,6 @@ pub const ROWS: &[Row] = &[
     ("G90", SILENCE),
     ("G91", SILENCE),
     ("G92 E0", SILENCE),
-    ("M400", SILENCE),
-    ("M400 U1", SILENCE),
     ("M410", SILENCE),
     ("M108", SILENCE),
     ("M82", SILENCE),
@@ -240,14 +237,7 @@ pub const ROWS: &[Row] = &[
     ("M569 S1 X", SILENCE),
     ("M907 E500", SILENCE),
     // Heaters, which this machine lacks.
-    ("M104 S200", HEATERS),
-    ("M109 S200", HEATERS),
-    ("M116", HEATERS),
-    ("M140 S60", HEATERS),
-    ("M190 S60", HEATERS),
     ("M301", UNTUNED),
-    ("M303 E0 S200", UNTUNED),
-    ("SELF_TEST", UNTUNED),
     // The machine over the line.
     ("MACHINE_PUT AT=5 HEX=00", &["echo:machine not stored: the next piece belongs at 0"]),
     ("MACHINE_PUT AT=0 HEX=0g", &["echo:machine not stored: HEX needs two hexadecimal digits a byte"]),
@@ -256,26 +246,8 @@ pub const ROWS: &[Row] = &[
     ("MACHINE_PUT AT=0 HEX=00", SILENCE),
     ("MACHINE_STORE", &["echo:machine not stored: empty"]),
     ("M304", UNTUNED),
-    ("M306", UNTUNED),
-    ("M306 E-1 A3", UNTUNED),
-    ("M306 E5", &["echo:line ignored: E is 0 (hotend), -1 (bed) or -2 (chamber)"]),
-    ("M104 Snan", &["echo:line ignored: S needs a number"]),
-    ("M140 S1,5", &["echo:line ignored: \"S1,5\" is not a letter with a number"]),
     // Fans.
-    ("M106", SILENCE),
-    ("M106 S91.8", SILENCE),
-    ("M106 P3 S10", SILENCE),
-    ("M106 P9 S10", &["echo:M106 ignored: there is no fan 9"]),
-    ("M106 P-1", &["echo:M106 ignored: there is no fan of that number"]),
-    ("M106 P1", &["echo:fan 1 is not commanded"]),
-    ("M106 S300", &["echo:M106 S300 is out of range, set to 255"]),
-    ("M106 S-5", &["echo:M106 S-5 is out of range, set to 0"]),
-    ("M106 Sinf", &["echo:line ignored: S needs a number"]),
-    ("M107", SILENCE),
-    ("M107 P2", &["echo:fan 2 is not commanded"]),
-    ("M141 S40", SILENCE),
     ("M142 S36", SILENCE),
-    ("M191 S40", SILENCE),
     // The probe, which this machine lacks.
     ("G30", NO_PROBE),
     ("M48", NO_PROBE),

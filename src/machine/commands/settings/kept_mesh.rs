@@ -5,7 +5,7 @@ use crate::machine::answers::answer::Answer;
 use crate::machine::answers::mesh_answer::MeshAnswer;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
-use crate::machine::main_loop::surface::set_mesh;
+use crate::machine::main_loop::surface::take_known_mesh;
 use crate::machine::ports::PortSet;
 use crate::port::{Pend, StorageError};
 use crate::storage::{self, MeshRejected};
@@ -71,8 +71,8 @@ pub(in crate::machine) async fn take_kept_mesh<P: PortSet, W: Pend>(
         Err(StorageError::Absent) => Some(MeshRejected::Blank),
         Err(StorageError::Failed) => Some(MeshRejected::Damaged),
     };
-    if let Some(known) = main_loop.bed.mesh().copied() {
-        set_mesh(main_loop, Some(&known.mesh)).await?;
+    if main_loop.bed.mesh().is_some() {
+        take_known_mesh(main_loop).await?;
     }
     Ok(rejected.map(MeshAnswer::Rejected))
 }

@@ -55,14 +55,14 @@ pub(super) async fn carry_out<'a, P: PortSet, W: Pend>(
         }
         SettingCommand::SaveSettings => {
             if let Some(news) = keep_mesh(main_loop).await? {
-                main_loop.reply(Answer::Mesh(news)).await?;
+                main_loop.tell(Answer::Mesh(news));
             }
             return save_settings(main_loop, &mut states.pieces).await.map(Answer::Storage);
         }
         SettingCommand::LoadSettings => {
             let news = load_settings(main_loop, &mut states.pieces).await?;
             let mesh = take_mesh_to_use(main_loop).await?;
-            main_loop.reply(mesh).await?;
+            main_loop.tell(mesh);
             Answer::Storage(news)
         }
         SettingCommand::DefaultSettings => return reset_settings(main_loop).await.map(Answer::Storage),

@@ -40,7 +40,7 @@ pub(in crate::machine::commands) async fn set_plain<P: PortSet, W: Pend>(
     };
     match (rule.ends)(words, &mut wanted, notices) {
         Ending::Done => {}
-        Ending::Remark(remark) => main_loop.reply(remark).await?,
+        Ending::Remark(remark) => main_loop.tell(remark),
         Ending::Refusal(refusal) => return Ok(refusal),
     }
     match owner {

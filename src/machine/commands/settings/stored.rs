@@ -194,7 +194,8 @@ async fn take_mesh_along<P: PortSet, W: Pend>(
         Ok(MeshFate::Ends) => MeshAnswer::Ends,
         Err(why) => MeshAnswer::NotKept(why),
     };
-    main_loop.reply(Answer::Mesh(news)).await
+    main_loop.tell(Answer::Mesh(news));
+    Ok(())
 }
 
 /// M501. Storage without valid settings gives the defaults, storage that does not answer changes nothing; nor does a

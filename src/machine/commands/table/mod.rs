@@ -3,19 +3,29 @@
 //! | part of a file | is |
 //! |---|---|
 //! | `ENTRY` | codes, rules for words, the line of docs/reference/gcode.md, and examples with their answers |
-//! | `carry_out` | its effect, at once; the result is its answer |
+//! | `carry_out` | its effect, at once; the result is its answer, or a next step that the dispatch awaits |
 //!
 //! Words of an answer are functions in the same file ([`Says`](crate::machine::answers::says::Says)). A command that
-//! waits is an arm of its family, one folder up.
+//! waits more than once is an arm of its family, one folder up.
 
 mod auto_reports;
+mod bed_target;
+mod chamber_target;
 mod cold_extrusion;
 mod controller_fan;
 mod debug_flags;
 mod driver_current;
+mod fan_off;
+mod fan_speed;
 mod fan_turns;
+mod finish;
 mod flow_percent;
+mod heater_model;
+mod heater_self_test;
+mod heater_tuning;
+mod heaters_reached;
 mod home_offsets;
+mod hotend_target;
 mod hybrid_threshold;
 mod inches;
 mod plane;
@@ -51,13 +61,23 @@ macro_rules! list {
 
 list! {
     auto_reports,
+    bed_target,
+    chamber_target,
     cold_extrusion,
     controller_fan,
     debug_flags,
     driver_current,
+    fan_off,
+    fan_speed,
     fan_turns,
+    finish,
     flow_percent,
+    heater_model,
+    heater_self_test,
+    heater_tuning,
+    heaters_reached,
     home_offsets,
+    hotend_target,
     hybrid_threshold,
     inches,
     plane,
@@ -116,6 +136,11 @@ pub fn described() -> impl Iterator<Item = Line> {
 pub fn codes() -> impl Iterator<Item = (char, u16)> {
     let codes = |line: Line| line.codes.1.iter().map(move |number| (line.codes.0, *number));
     gcode::codes().chain(ENTRIES.iter().map(OwnEntry::line).flat_map(codes))
+}
+
+/// The names that are known.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    gcode::names().chain(ENTRIES.iter().map(OwnEntry::line).flat_map(|line| line.names).copied())
 }
 
 /// Lines with their answers.
