@@ -26,7 +26,7 @@ impl Choice for ProbeKind {
     numbers!(None Switch BlTouch Nozzle);
 }
 
-/// The probe, and how it is used. Its connector is [`Settings::probe_plug`].
+/// The probe, and how it is used. Its connector is [`Settings::probe_plug`](super::Settings::probe_plug).
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub struct Probe {
     /// Its kind.

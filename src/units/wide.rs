@@ -65,7 +65,7 @@ pub const fn root(square: u64) -> u64 {
 #[must_use]
 #[inline(never)]
 pub const fn whole_root(square: u64) -> u64 {
-    let (mut root, mut bit) = (0_u32, 1_u32 << (square | 1).ilog2() / 2);
+    let (mut root, mut bit) = (0_u32, 1_u32 << ((square | 1).ilog2() / 2));
     while bit != 0 {
         let tried = root | bit;
         if tried as u64 * tried as u64 <= square {

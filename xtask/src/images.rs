@@ -18,7 +18,7 @@
 //! (Documentation/rust/general-information.rst). The core library comes as source, by rustup.
 
 use crate::checkout::{FLAGS, TARGET, cargo, command_output, compiler, path_flags, root, run, target_dir};
-use crate::tools;
+use crate::rustup;
 use anyhow::{Context as _, Result, ensure};
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -71,7 +71,7 @@ pub fn build_image(package: &str) -> Result<PathBuf> {
 
 /// Cargo's `task` for images.
 pub fn for_boards(task: &str) -> Result<Command> {
-    tools::ensure_core_source()?;
+    rustup::ensure_core_source()?;
     let mut command = cargo([task, "--profile", FIRMWARE, "--target"]);
     command.arg(describe()?).args(WITH_CORE).env(ACCEPTS_UNSTABLE, "1");
     let flags: Vec<_> = [path_flags()?.as_str()].into_iter().chain(OUTLINER).chain(NAMES).map(str::to_owned).collect();

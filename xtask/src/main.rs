@@ -18,6 +18,7 @@ mod mutants;
 mod page;
 mod picture;
 mod qemu;
+mod rustup;
 mod soak;
 mod test;
 mod tools;

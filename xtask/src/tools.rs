@@ -2,6 +2,7 @@
 
 use crate::checkout::{BROWSER, GUEST, TARGET, cargo, run, sysroot, target_dir};
 use crate::qemu::PROGRAM;
+use crate::rustup;
 use crate::verdict::Verdict;
 use anyhow::{Context as _, Result};
 use std::fs::File;
@@ -15,15 +16,15 @@ pub fn ensure() -> Result<Verdict> {
     for component in ["rustfmt", "clippy"] {
         let subcommand = component.trim_start_matches("rust");
         if !succeeds(cargo([subcommand, "--version"])) {
-            run(rustup(["component", "add", component])).with_context(|| {
+            run(rustup::call(["component", "add", component])).with_context(|| {
                 format!("{component} is missing; install it with: rustup component add {component}")
             })?;
         }
     }
-    ensure_core_source()?;
+    rustup::ensure_core_source()?;
     for target in [TARGET, BROWSER, GUEST] {
         if !has_target(target)? {
-            run(rustup(["target", "add", target]))
+            run(rustup::call(["target", "add", target]))
                 .with_context(|| format!("the target is missing; install it with: rustup target add {target}"))?;
         }
     }
@@ -31,15 +32,6 @@ pub fn ensure() -> Result<Verdict> {
         install(PACKAGE)?;
     }
     Ok(if has_emulator() { Verdict::Passed(String::new()) } else { Verdict::Skipped(lack_of_emulator()) })
-}
-
-/// The source of the core library, which images are built with.
-pub fn ensure_core_source() -> Result<()> {
-    if sysroot()?.join("lib/rustlib/src/rust/library/core/Cargo.toml").exists() {
-        return Ok(());
-    }
-    run(rustup(["component", "add", "rust-src"]))
-        .context("the core library's source is missing; install it with: rustup component add rust-src")
 }
 
 /// Whether the emulator can be called.
@@ -83,12 +75,6 @@ fn is_root() -> bool {
 /// Whether the compiler has a standard library for a target, from rustup or elsewhere.
 fn has_target(target: &str) -> Result<bool> {
     Ok(sysroot()?.join("lib/rustlib").join(target).is_dir())
-}
-
-fn rustup<const N: usize>(args: [&str; N]) -> Command {
-    let mut command = Command::new("rustup");
-    command.args(args);
-    command
 }
 
 /// Whether a program ends well.
