@@ -2,7 +2,7 @@
 
 use super::memory::Memory;
 use crate::kinematics::Groupings;
-use crate::machine::{Console, Ports};
+use crate::machine::{Console, HostMemory, Ports};
 use crate::motion::{Entry, Link, MoveMemory, SpanMemory, StepCounts, StepGenerator, Stepper, StepsIn, StepsOut};
 use crate::port::{Accelerometer, Clock, DriverBus, Pend, Serial, StepClock, StepPort, Storage, ThermalPort};
 use crate::settings::Settings;
@@ -38,7 +38,7 @@ pub struct Kits<'m, W: Pend> {
 impl<'m, W: Pend> Kits<'m, W> {
     /// The kits of a machine with these settings.
     pub fn new(memory: &'m mut Memory, settings: &Settings, pend: W) -> Self {
-        let Memory { moves, events, spans, planned, orders, groupings, status } = memory;
+        let Memory { moves, events, spans, planned, hosts, orders, groupings, status } = memory;
         *groupings = Groupings::new(&settings.mechanism);
         let (groupings, status): (&'m Groupings, &'m Status) = (groupings, status);
         let (moves_in, moves) = moves.split();
@@ -49,7 +49,7 @@ impl<'m, W: Pend> Kits<'m, W> {
             stepper: StepperKit { events, status },
             generator: GeneratorKit { moves, events: events_in, spans, status, groupings },
             thermal: ThermalKit { orders: orders_in, status },
-            console: ConsoleKit { planned, orders, groupings, link: Link::new(moves_in, status, counts, pend) },
+            console: ConsoleKit { planned, hosts, orders, groupings, link: Link::new(moves_in, status, counts, pend) },
             status,
             counts,
         }
@@ -102,6 +102,7 @@ impl<'m> ThermalKit<'m> {
 /// The parts of a [`Console`].
 pub struct ConsoleKit<'m, W: Pend> {
     planned: &'m mut MoveMemory,
+    hosts: &'m mut HostMemory,
     orders: Orders<'m>,
     groupings: &'m Groupings,
     link: Link<'m, W>,
@@ -115,6 +116,6 @@ impl<'m, W: Pend> ConsoleKit<'m, W> {
         start: Option<[Mm; 3]>,
         ports: Ports<S, D, K, T, A>,
     ) -> Console<'m, Ports<S, D, K, T, A>, W> {
-        Console::new(settings, start, self.planned, self.orders, self.groupings, self.link, ports)
+        Console::new(settings, start, (self.planned, self.hosts), self.orders, self.groupings, self.link, ports)
     }
 }

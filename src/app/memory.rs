@@ -1,11 +1,12 @@
 //! Memory: the data shared by the handles.
 
 use crate::kinematics::Groupings;
+use crate::machine::HostMemory;
 use crate::motion::{MoveMemory, MoveQueue, SpanMemory, StepQueue};
 use crate::status::Status;
 use crate::thermal::OrderQueue;
 
-/// All memory that the handles share, 31 KiB; the Console and the StepGenerator themselves come on top.
+/// All memory that the handles share, 40 KiB; the Console and the StepGenerator themselves come on top.
 pub struct Memory {
     /// Console to StepGenerator: moves that left the look-ahead, 3.4 KiB.
     pub(super) moves: MoveQueue,
@@ -15,6 +16,8 @@ pub struct Memory {
     pub(super) spans: SpanMemory,
     /// The Console's: the look-ahead, 15 KiB.
     pub(super) planned: MoveMemory,
+    /// The Console's: received bytes and pending replies of its hosts, 9 KiB.
+    pub(super) hosts: HostMemory,
     /// Console to ThermalControl, 2 KiB.
     pub(super) orders: OrderQueue,
     pub(super) groupings: Groupings,
@@ -43,6 +46,7 @@ impl Memory {
             events: StepQueue::new(),
             spans: SpanMemory::new(),
             planned: MoveMemory::new(),
+            hosts: HostMemory::new(),
             orders: OrderQueue::new(),
             groupings: Groupings::NONE,
             status: Status::new(),

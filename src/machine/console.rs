@@ -22,7 +22,7 @@ use crate::machine::commands::settings::stored::{load_at_start, note_self_test};
 use crate::machine::commands::states::States;
 use crate::machine::commands::table;
 use crate::machine::hosts::asked::Asked;
-use crate::machine::hosts::host::Text;
+use crate::machine::hosts::host::{HostMemory, Text};
 use crate::machine::interrupt::{Interrupt, Restart};
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::halted::stay_halted;
@@ -63,7 +63,7 @@ where
     pub fn new(
         settings: &'m Settings,
         start: Option<[Mm; 3]>,
-        memory: &'m mut MoveMemory,
+        memory: (&'m mut MoveMemory, &'m mut HostMemory),
         orders: Orders<'m>,
         groupings: &'m Groupings,
         link: Link<'m, W>,

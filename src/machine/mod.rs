@@ -61,4 +61,5 @@ mod state;
 
 pub use commands::table::{codes, described, examples, names, parse};
 pub use console::{Console, PortSet, Ports};
+pub use hosts::host::HostMemory;
 pub use interrupt::Restart;

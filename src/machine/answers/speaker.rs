@@ -18,7 +18,7 @@ pub(in crate::machine) trait Listener {
     fn hear(&mut self, part: &Part<'_>) -> bool;
 }
 
-impl<S: Serial> Listener for Hosts<S> {
+impl<S: Serial> Listener for Hosts<'_, S> {
     /// A host that has disconnected accepts every part.
     fn hear(&mut self, part: &Part<'_>) -> bool {
         let fits = self.replies().is_none_or(|replies| part(replies).is_ok());

@@ -4,7 +4,7 @@ use super::asked::Asked;
 use super::schedule::Schedule;
 use super::upload::{Upload, is_mark};
 use crate::gcode::{self, BedCommand, Command, ReportCommand};
-use crate::port::{Received, Serial};
+use crate::port::{Lines, Received, Serial};
 use crate::protocol::{Activity, Emergency, Incoming, LONGEST_LINE, Receiver, Replies};
 use crate::units::Instant;
 use heapless::Vec;
@@ -16,11 +16,54 @@ const WAITS_MS: u32 = 50;
 /// A command's text, copied out of the receiver so that more lines can arrive while it is carried out.
 pub(in crate::machine) type Text = Vec<u8, LONGEST_LINE>;
 
+/// Received bytes and pending replies of one host, 3 KiB.
+struct Buffers {
+    receiver: Receiver,
+    replies: Replies,
+}
+
+impl Buffers {
+    const fn new() -> Self {
+        Self { receiver: Receiver::new(), replies: Replies::new() }
+    }
+}
+
+/// The buffers of all hosts. They stay in their place: the constructor of the Console has all that it holds on the
+/// stack. They begin empty, as a static whose first bytes are not zeros takes as many bytes of flash.
+pub struct HostMemory(Lines<Buffers>);
+
+impl HostMemory {
+    /// No buffers yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self(Lines::new())
+    }
+
+    /// Empty ones, of one host after the other.
+    pub(super) fn make(&mut self) -> impl Iterator<Item = (&mut Receiver, &mut Replies)> {
+        while !self.0.is_full() {
+            self.add();
+        }
+        self.0.iter_mut().map(|Buffers { receiver, replies }| (receiver, replies))
+    }
+
+    #[inline(never)]
+    fn add(&mut self) {
+        let _ = self.0.push(Buffers::new());
+    }
+}
+
+impl Default for HostMemory {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 /// A serial line and its state.
-pub(super) struct Host<S> {
+pub(super) struct Host<'m, S> {
     line: S,
-    pub(super) receiver: Receiver,
-    pub(super) replies: Replies,
+    pub(super) receiver: &'m mut Receiver,
+    pub(super) replies: &'m mut Replies,
     /// Its periodic reports.
     pub(super) schedule: Schedule,
     /// Its upload to a card.
@@ -65,13 +108,13 @@ impl Urgent {
         Self { stop: false, quick_stop: false, go_on: false, resume: false, cancel: false, restart: false };
 }
 
-impl<S: Serial> Host<S> {
-    /// A host without input.
-    pub(super) const fn new(line: S, now: Instant) -> Self {
+impl<'m, S: Serial> Host<'m, S> {
+    /// A host without input, with empty buffers.
+    pub(super) const fn new(line: S, (receiver, replies): (&'m mut Receiver, &'m mut Replies), now: Instant) -> Self {
         Self {
             line,
-            receiver: Receiver::new(),
-            replies: Replies::new(),
+            receiver,
+            replies,
             schedule: Schedule::new(),
             upload: Upload::new(),
             assured: now,
@@ -152,7 +195,7 @@ impl<S: Serial> Host<S> {
     /// Whoever opens the line begins anew.
     fn note_opened(&mut self, received: Received) {
         if received == Received::Opened {
-            self.replies = Replies::new();
+            *self.replies = Replies::new();
             self.schedule = Schedule::new();
             self.upload = Upload::new();
             self.has_opened = true;

@@ -7,7 +7,7 @@
 //! (M113). Waits for heat also report temperatures, every second (`LINE_MS` in `commands::heating`).
 
 use super::asked::Asked;
-use super::host::{Host, Text, Urgent};
+use super::host::{Host, HostMemory, Text, Urgent};
 use super::schedule::Report;
 use crate::port::{LINES, Lines, Serial};
 use crate::protocol::{Activity, NoRoom, Owed, Replies};
@@ -15,10 +15,11 @@ use crate::units::Instant;
 use core::fmt;
 
 /// All hosts, with the one being served.
-pub(in crate::machine) struct Hosts<S> {
-    hosts: Lines<Host<S>>,
-    /// Lines that are not open yet.
+pub(in crate::machine) struct Hosts<'m, S> {
+    hosts: Lines<Host<'m, S>>,
+    /// Lines that are not open yet, and the buffers for them.
     closed: Lines<S>,
+    memory: Option<&'m mut HostMemory>,
     serving: usize,
     /// The host being served waits for the answer to a line.
     owes_ok: bool,
@@ -36,13 +37,13 @@ pub(in crate::machine) struct Hosts<S> {
     tended: Instant,
 }
 
-impl<S: Serial> Hosts<S> {
-    /// No line is open before [`open`](Self::open): otherwise 4 KiB of memory for each host would pass through the
-    /// stack in this constructor.
-    pub(in crate::machine) const fn new(lines: Lines<S>) -> Self {
+impl<'m, S: Serial> Hosts<'m, S> {
+    /// No line is open before [`open`](Self::open).
+    pub(in crate::machine) const fn new(lines: Lines<S>, memory: &'m mut HostMemory) -> Self {
         Self {
             hosts: Lines::new(),
             closed: lines,
+            memory: Some(memory),
             serving: 0,
             owes_ok: false,
             is_gone: false,
@@ -56,15 +57,11 @@ impl<S: Serial> Hosts<S> {
 
     /// Listens to all lines from now on.
     pub(in crate::machine) fn open(&mut self, now: Instant) {
-        for line in core::mem::take(&mut self.closed) {
-            self.push(line, now);
+        let Some(memory) = self.memory.take() else { return };
+        for (line, buffers) in core::mem::take(&mut self.closed).into_iter().zip(memory.make()) {
+            // There is as much room as there were lines.
+            let _ = self.hosts.push(Host::new(line, buffers, now));
         }
-    }
-
-    #[inline(never)]
-    fn push(&mut self, line: S, now: Instant) {
-        // There is as much room as there were lines.
-        let _ = self.hosts.push(Host::new(line, now));
     }
 
     /// The number of hosts.
@@ -162,7 +159,7 @@ impl<S: Serial> Hosts<S> {
         }
     }
 
-    fn iter_mut(&mut self) -> impl Iterator<Item = &mut Host<S>> {
+    fn iter_mut(&mut self) -> impl Iterator<Item = &mut Host<'m, S>> {
         self.hosts.iter_mut()
     }
 
@@ -179,7 +176,7 @@ impl<S: Serial> Hosts<S> {
         if self.is_gone {
             return None;
         }
-        self.hosts.get_mut(self.serving).map(|host| &mut host.replies)
+        self.hosts.get_mut(self.serving).map(|host| &mut *host.replies)
     }
 
     /// The number of the line being served, if it has one, and the bytes that its host may send ahead.
@@ -240,7 +237,7 @@ impl<S: Serial> Hosts<S> {
             let is_aside = self.aside == Some(place);
             let is_waiting = is_served || is_aside || !host.receiver.is_empty();
             let is_due = every_ms > 0 && now >= host.assured.after_ms(every_ms);
-            if !is_waiting || (is_due && say(&mut host.replies, is_aside).is_ok()) {
+            if !is_waiting || (is_due && say(host.replies, is_aside).is_ok()) {
                 host.assured = now;
             }
         }
@@ -274,7 +271,7 @@ impl<S: Serial> Hosts<S> {
             return;
         }
         for host in &mut self.hosts {
-            host.is_new = host.is_new && what(&mut host.replies).is_err();
+            host.is_new = host.is_new && what(host.replies).is_err();
             self.may_be_new |= host.is_new;
         }
     }
@@ -333,7 +330,8 @@ mod tests {
     fn a_report_stands_neither_in_a_line_nor_in_an_answer() {
         let heard = RefCell::new(Vec::new());
         let lines: Lines<Slow<'_>> = core::iter::once(Slow(&heard)).collect();
-        let mut hosts = Hosts::new(lines);
+        let mut memory = HostMemory::new();
+        let mut hosts = Hosts::new(lines, &mut memory);
         hosts.open(Instant(0));
         hosts.switch_to(0);
         hosts.schedule(Report::Temperatures, 1, Instant(0));

@@ -53,19 +53,23 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
 }
 
 /// The line is answered.
-pub(in crate::machine) const fn end_line<S: Serial>(hosts: &mut Hosts<S>, pauses: &mut Pauses) {
+pub(in crate::machine) const fn end_line<S: Serial>(hosts: &mut Hosts<'_, S>, pauses: &mut Pauses) {
     hosts.note_answered();
     pauses.end_command();
 }
 
 /// The host being served waits for a line that is kept.
-pub(in crate::machine) const fn set_aside<S: Serial>(hosts: &mut Hosts<S>, pauses: &mut Pauses) {
+pub(in crate::machine) const fn set_aside<S: Serial>(hosts: &mut Hosts<'_, S>, pauses: &mut Pauses) {
     hosts.set_aside();
     pauses.end_command();
 }
 
 /// The answer to the kept line, if there is one by now.
-pub(in crate::machine) fn take_answer<S: Serial>(hosts: &Hosts<S>, job: &mut Job, now: Instant) -> Option<Answered> {
+pub(in crate::machine) fn take_answer<S: Serial>(
+    hosts: &Hosts<'_, S>,
+    job: &mut Job,
+    now: Instant,
+) -> Option<Answered> {
     if !hosts.has_set_aside() {
         // Its host has opened the line again.
         let _ = job.line_mut().take();
@@ -75,7 +79,7 @@ pub(in crate::machine) fn take_answer<S: Serial>(hosts: &Hosts<S>, job: &mut Job
 }
 
 /// The host of the kept line is being served again; no line is kept any more.
-pub(in crate::machine) fn take_up<S: Serial>(hosts: &mut Hosts<S>, job: &mut Job) -> Option<Kept> {
+pub(in crate::machine) fn take_up<S: Serial>(hosts: &mut Hosts<'_, S>, job: &mut Job) -> Option<Kept> {
     let kept = job.line_mut().take()?;
     hosts.take_up();
     Some(kept)

@@ -64,6 +64,7 @@ use self::power::Power;
 use self::settings::SettingsInUse;
 use crate::kinematics::Groupings;
 use crate::machine::answers::speaker::Progress;
+use crate::machine::hosts::host::HostMemory;
 use crate::machine::hosts::serving::Hosts;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::ports::{PortSet, Ports};
@@ -135,7 +136,7 @@ pub(in crate::machine) struct MainLoop<'m, P: PortSet, W: Pend> {
     /// The mesh of the bed.
     pub bed: KnownBed,
     /// The lines of the hosts.
-    pub hosts: Hosts<P::Serial>,
+    pub hosts: Hosts<'m, P::Serial>,
 }
 
 impl<'m, S, D, K, T, A, W> MainLoop<'m, Ports<S, D, K, T, A>, W>
@@ -152,7 +153,7 @@ where
     pub fn new(
         settings: &'m Settings,
         start: Option<[Mm; 3]>,
-        memory: &'m mut MoveMemory,
+        (memory, hosts): (&'m mut MoveMemory, &'m mut HostMemory),
         orders: Orders<'m>,
         groupings: &'m Groupings,
         link: Link<'m, W>,
@@ -162,7 +163,7 @@ where
         let Ports { serial, drivers: bus, clock, storage, accelerometer } = ports;
         let (now, status) = (clock.now(), link.status());
         Self {
-            hosts: Hosts::new(serial),
+            hosts: Hosts::new(serial, hosts),
             job: Job::new(),
             stream: PausedStream::new(),
             pauses: Pauses::new(),

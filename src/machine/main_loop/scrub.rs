@@ -21,6 +21,7 @@ mod tests {
     extern crate std;
     use crate::fault::Cause;
     use crate::kinematics::{Groupings, Mechanism};
+    use crate::machine::hosts::host::HostMemory;
     use crate::machine::interrupt::Interrupt;
     use crate::machine::main_loop::MainLoop;
     use crate::machine::ports::Ports;
@@ -75,6 +76,7 @@ mod tests {
         let settings = Settings::prototype();
         let (mut moves, mut events, mut orders) = (MoveQueue::new(), StepQueue::new(), OrderQueue::new());
         let (mut memory, status) = (Box::new(MoveMemory::new()), Status::new());
+        let mut hosts = HostMemory::new();
         let groupings = Groupings::new(mechanism);
         let (moves_in, _moves) = moves.split();
         let (_events, events_out) = events.split();
@@ -84,7 +86,8 @@ mod tests {
         let serial: Lines<_> = [Nothing].into_iter().collect();
         let ports =
             Ports { serial, drivers: Nothing, clock: Time(&now), storage: NoStorage, accelerometer: NoAccelerometer };
-        let mut main_loop = MainLoop::new(&settings, None, &mut memory, orders_in, &groupings, link, ports);
+        let mut main_loop =
+            MainLoop::new(&settings, None, (&mut memory, &mut hosts), orders_in, &groupings, link, ports);
         for change in changes {
             for ms in 0..=1000 {
                 now.set(now.get().after_ms(1));
