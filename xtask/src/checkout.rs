@@ -47,12 +47,8 @@ pub const FLAGS: &str = "CARGO_ENCODED_RUSTFLAGS";
 /// by themselves.
 pub fn path_flags() -> Result<String> {
     let home = cargo_home()?;
-    let places = [
-        (home.join("registry/src"), "registry"),
-        (home.join("git/checkouts"), "git"),
-        (sysroot()?.join("lib/rustlib/src/rust"), "rust"),
-        (target_dir()?, "target"),
-    ];
+    let places =
+        [(home.join("registry/src"), "registry"), (home.join("git/checkouts"), "git"), (target_dir()?, "target")];
     let flags = places.map(|(path, name)| format!("--remap-path-prefix={}={name}", path.display()));
     Ok(flags.join("\x1f"))
 }

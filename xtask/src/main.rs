@@ -18,7 +18,6 @@ mod mutants;
 mod page;
 mod picture;
 mod qemu;
-mod rustup;
 mod soak;
 mod test;
 mod tools;

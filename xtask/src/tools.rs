@@ -2,7 +2,6 @@
 
 use crate::checkout::{BROWSER, GUEST, TARGET, cargo, run, sysroot, target_dir};
 use crate::qemu::PROGRAM;
-use crate::rustup;
 use crate::verdict::Verdict;
 use anyhow::{Context as _, Result};
 use std::fs::File;
@@ -16,15 +15,14 @@ pub fn ensure() -> Result<Verdict> {
     for component in ["rustfmt", "clippy"] {
         let subcommand = component.trim_start_matches("rust");
         if !succeeds(cargo([subcommand, "--version"])) {
-            run(rustup::call(["component", "add", component])).with_context(|| {
+            run(rustup(["component", "add", component])).with_context(|| {
                 format!("{component} is missing; install it with: rustup component add {component}")
             })?;
         }
     }
-    rustup::ensure_core_source()?;
     for target in [TARGET, BROWSER, GUEST] {
         if !has_target(target)? {
-            run(rustup::call(["target", "add", target]))
+            run(rustup(["target", "add", target]))
                 .with_context(|| format!("the target is missing; install it with: rustup target add {target}"))?;
         }
     }
@@ -75,6 +73,12 @@ fn is_root() -> bool {
 /// Whether the compiler has a standard library for a target, from rustup or elsewhere.
 fn has_target(target: &str) -> Result<bool> {
     Ok(sysroot()?.join("lib/rustlib").join(target).is_dir())
+}
+
+fn rustup<const N: usize>(args: [&str; N]) -> Command {
+    let mut command = Command::new("rustup");
+    command.args(args);
+    command
 }
 
 /// Whether a program ends well.
