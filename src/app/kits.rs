@@ -109,7 +109,8 @@ pub struct ConsoleKit<'m, W: Pend> {
 }
 
 impl<'m, W: Pend> ConsoleKit<'m, W> {
-    /// Makes the Console, which goes back to these `settings` with M502. If `start` (x, y, z) is known, the machine stands there as if homed.
+    /// Makes the Console, which goes back to these `settings` with M502. If `start` (x, y, z) is known, the machine stands
+    /// there as if homed.
     pub fn make<S: Serial, D: DriverBus, K: Clock, T: Storage, A: Accelerometer>(
         self,
         settings: &'m Settings,

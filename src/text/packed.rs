@@ -1,8 +1,8 @@
 //! Packed texts: words of a dictionary are one character each in the image, which halves the texts.
 //!
-//! [`text!`] is a text with places for values, [`put!`] writes one in a `Display`, and [`packed!`] is a fixed text. Each
-//! is packed when it is compiled (`text-macro`) and unpacked when it is displayed. The codes are control characters and
-//! U+0700 to U+07FF (Syriac, Thaana, N'Ko). A value in a `text!` must not have them, because it passes the same
+//! [`text!`] is a text with places for values, [`put!`] writes one in a `Display`, and [`packed!`] is a fixed text. A
+//! text is packed when it is compiled (`text-macro`) and unpacked when it is displayed. The codes are control
+//! characters and U+0700 to U+07FF (Syriac, Thaana, N'Ko). A value in a `text!` must not have them, because it passes the same
 //! unpacking: what hosts send is made harmless by `Echo` first. Docs: explanation/texts.md.
 
 use core::fmt::{self, Write};
@@ -16,8 +16,8 @@ const DEPTH: usize = 8;
 /// Words with codes of one byte, the control characters; the others begin here.
 const SHORT: usize = 0x20;
 
-/// A text with places for values. The arguments are those of `format_args!`. Its code counts as its caller's, also in the
-/// sizes of rooms.
+/// A text with places for values. The arguments are those of `format_args!`. Its code counts as its caller's, also in
+/// the sizes of rooms.
 #[collapse_debuginfo(yes)]
 macro_rules! text {
     ($($args:tt)*) => { $crate::text::Text(::corehbot_text_macro::packed_args!($($args)*)) };

@@ -50,8 +50,8 @@ impl Div<StepsPerMm> for StepRate {
     }
 }
 
-/// The bits of steps: of a length times a resolution. Two halves need no product of 128 bits. Inlined, it would be in 17
-/// places.
+/// The bits of steps: of a length times a resolution. Two halves need no product of 128 bits. Inlined, it would be in
+/// 17 places.
 #[inline(never)]
 const fn steps(length: i64, resolution: u32) -> i64 {
     let upper = ((length >> 32) * resolution as i64) << (32 - StepsPerMm::FRAC_NBITS);

@@ -1,5 +1,5 @@
-//! The dictionary is made of the texts in the source: pairs of symbols are joined as long as a pair is frequent
-//! (byte-pair encoding, Gage 1994), and then the joined words that save least are left out, round by round.
+//! The dictionary is made of the texts in the source. Pairs of symbols are joined as long as a pair is frequent
+//! (byte-pair encoding, Gage 1994). Then the joined words that save least are left out, round by round.
 
 use crate::code::{MOST, Packer, Part, RESERVED};
 use crate::literal::{parts, text_of};

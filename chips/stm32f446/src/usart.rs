@@ -22,7 +22,7 @@ use crate::wiring::{SerialPort, Usart};
 use corehbot_board_support::receiver_flags::{self, Flags, News, Receiving};
 use corehbot_board_support::ring::Ring;
 
-/// Bytes that wait for the transmitter, behind those of the Console: 20 ms at 250,000 baud, and the Console is polled in
+/// Bytes that wait for the transmitter, behind those of the Console: 20 ms at 250,000 baud. The Console is polled in
 /// each millisecond.
 const WAITING: usize = 512;
 

@@ -22,9 +22,9 @@ const CROSSING: u32 = 135_000;
 /// second.
 ///
 /// The watchdog stands still while a debugger halts the processor; otherwise a breakpoint would end in a reset. So does
-/// the Console's clock, and the step timer does by itself, being part of the core. So steps go on where they were, and both
-/// clocks agree. Outputs keep their levels during a halt, except for heaters: their timer runs on and ends their pulses
-/// (`heater_timer`).
+/// the Console's clock, and the step timer does by itself, being part of the core. So steps go on where they were, and
+/// both clocks agree. Outputs keep their levels during a halt, except for heaters: their timer runs on and ends their
+/// pulses (`heater_timer`).
 pub fn start() {
     DBGMCU.apb1fzr().modify(|w| {
         w.set_iwdg(true);

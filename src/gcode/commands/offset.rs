@@ -30,7 +30,7 @@ fn babystep(text: &[u8]) -> Command<'_> {
     Command::Motion(MotionCommand::Babystep { by, is_kept })
 }
 
-/// Words of SET_GCODE_OFFSET: its own, and from [`OTHERS`] on those of axes without an offset. Any other one is ignored.
+/// Words of SET_GCODE_OFFSET: its own, and from [`OTHERS`] on those of axes without an offset. Others are ignored.
 const NAMES: [&str; 9] = ["Z", "Z_ADJUST", "MOVE", "X", "Y", "E", "X_ADJUST", "Y_ADJUST", "E_ADJUST"];
 const OTHERS: usize = 3;
 

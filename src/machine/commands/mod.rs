@@ -20,7 +20,8 @@
 //! | homing | [`motion`] | [`homing`], [`switch`], [`shift_z`] |
 //! | first layer | [`motion`] | [`z_offset`] |
 //! | jobs, pauses and waits | [`jobs`] | [`job`], [`pause`], [`parking`], [`detour`] |
-//! | heaters | [`table`] | [`heating`], [`reached`], [`heater_settings`], [`cold_extrusion`], [`tuning`], [`self_test`] |
+//! | heaters | [`table`] | [`heating`], [`reached`], [`cold_extrusion`] |
+//! | tuning of heaters | [`table`] | [`heater_settings`], [`tuning`], [`self_test`] |
 //! | fans | [`table`] | [`fans`] |
 //! | settings | [`settings`] | its own files, [`shaping`] (M593, M900) |
 //! | motors and drivers | [`motors`] | [`drivers`], [`belt`], [`proof`] (M915), [`buzz`] |

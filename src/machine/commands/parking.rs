@@ -1,4 +1,5 @@
-//! Ways of the tool in a pause: filament back, up and to the parking place, and back again; and filament that is changed.
+//! Ways of the tool in a pause: filament back, up and to the parking place, and back again. Filament is changed here,
+//! too.
 //!
 //! A way is decided at once and then gone, so that one place waits for its moves.
 

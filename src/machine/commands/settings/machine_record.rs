@@ -3,8 +3,8 @@
 //! connectors. `corehbot config` is the other end.
 //!
 //! Pieces follow one another, each on its own line. They are put together in the one place for a record, which saving
-//! and loading settings use too: after MACHINE_STORE, M500, M501 or M504 the pieces come again from the first one. Lines have numbers and checksums as in a print, and a checksum
-//! covers the whole record.
+//! and loading settings use too. So after MACHINE_STORE, M500, M501 or M504 the pieces come again from the first one.
+//! Lines have numbers and checksums as in a print, and a checksum covers the whole record.
 
 use super::stored::save;
 use crate::gcode::MachineRecord;
