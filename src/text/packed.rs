@@ -2,8 +2,8 @@
 //!
 //! [`text!`] is a text with places for values, [`put!`] writes one in a `Display`, and [`packed!`] is a fixed text. A
 //! text is packed when it is compiled (`text-macro`) and unpacked when it is displayed. The codes are control
-//! characters and U+0700 to U+07FF (Syriac, Thaana, N'Ko). A value in a `text!` must not have them, because it passes the same
-//! unpacking: what hosts send is made harmless by `Echo` first. Docs: explanation/texts.md.
+//! characters and U+0700 to U+07FF (Syriac, Thaana, N'Ko). A value in a `text!` must not have them, because it passes
+//! the same unpacking: what hosts send is made harmless by `Echo` first. Docs: explanation/texts.md.
 
 use core::fmt::{self, Write};
 
