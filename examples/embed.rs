@@ -8,7 +8,7 @@ use corehbot::kinematics::Groups;
 use corehbot::machine::Ports;
 use corehbot::motors::{Coupling, EndstopSet, GroupSet, Motor, MotorSet};
 use corehbot::port::{
-    Clock, DriverBus, NoAccelerometer, NoHeaters, NoStorage, Pend, Received, Serial, StepClock, StepPort,
+    Clock, DriverBus, NoAccelerometer, NoHeaters, NoStorage, Received, Serial, StepClock, StepPort, Wake,
 };
 use corehbot::settings::Settings;
 use corehbot::units::{Instant, Mm, TICKS_PER_MS, TICKS_PER_SECOND, Tick};
@@ -23,8 +23,8 @@ struct Board {
     /// In ticks.
     now: Cell<u64>,
     alarm: Cell<Option<u64>>,
-    generator_pends: Cell<bool>,
-    stepper_pends: Cell<bool>,
+    is_generator_woken: Cell<bool>,
+    is_stepper_woken: Cell<bool>,
     /// Bytes of the program that the core has taken.
     sent: Cell<usize>,
     replies: RefCell<Vec<u8>>,
@@ -74,12 +74,12 @@ impl Clock for &Board {
     }
 }
 
-impl Pend for &Board {
-    fn pend_generator(&self) {
-        self.generator_pends.set(true);
+impl Wake for &Board {
+    fn wake_generator(&self) {
+        self.is_generator_woken.set(true);
     }
-    fn pend_stepper(&self) {
-        self.stepper_pends.set(true);
+    fn wake_stepper(&self) {
+        self.is_stepper_woken.set(true);
     }
 }
 
@@ -120,9 +120,9 @@ fn main() {
         }
         let end = board.now.get() + u64::from(TICKS_PER_MS);
         loop {
-            if board.generator_pends.take() {
+            if board.is_generator_woken.take() {
                 generator.run(&board);
-            } else if board.stepper_pends.take() || board.rings(end) {
+            } else if board.is_stepper_woken.take() || board.rings(end) {
                 stepper.on_alarm();
             } else {
                 break;

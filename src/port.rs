@@ -87,12 +87,12 @@ pub trait StepClock {
 }
 
 /// A way to wake another context: pends the interrupt that runs it.
-pub trait Pend {
+pub trait Wake {
     /// Wakes the StepGenerator's context.
-    fn pend_generator(&self);
+    fn wake_generator(&self);
 
     /// Wakes the Stepper's context (its alarm may be silent).
-    fn pend_stepper(&self);
+    fn wake_stepper(&self);
 
     /// Sees what is queued for the StepGenerator, an `Entry` of `motion`, before it is. Hardware has no use for it, and
     /// without a body it is no code; a simulator follows the moves by it.

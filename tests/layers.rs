@@ -345,7 +345,7 @@ fn no_command_gets_the_console_and_nobody_widens_the_main_loop() {
 fn the_type_is_found_in_the_first_line_of_its_methods() {
     for (line, name) in [
         ("impl Job {", Some("Job")),
-        ("impl<'m, D: Bus, W: Pend> MainLoop<'m, Ports<D>, W> {", Some("MainLoop")),
+        ("impl<'m, D: Bus, W: Wake> MainLoop<'m, Ports<D>, W> {", Some("MainLoop")),
         ("impl<S: Serial> Listener for Hosts<S> {", Some("Hosts")),
         ("    impl Inner {", None),
     ] {

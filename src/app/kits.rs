@@ -4,7 +4,7 @@ use super::memory::Memory;
 use crate::kinematics::Groupings;
 use crate::machine::{Console, HostMemory, Ports};
 use crate::motion::{Entry, Link, MoveMemory, SpanMemory, StepCounts, StepGenerator, Stepper, StepsIn, StepsOut};
-use crate::port::{Accelerometer, Clock, DriverBus, Pend, Serial, StepClock, StepPort, Storage, ThermalPort};
+use crate::port::{Accelerometer, Clock, DriverBus, Serial, StepClock, StepPort, Storage, ThermalPort, Wake};
 use crate::settings::Settings;
 use crate::status::Status;
 use crate::thermal::{Orders, OrdersIn, ThermalControl};
@@ -20,7 +20,7 @@ pub struct StepPorts<P: StepPort, C: StepClock> {
 }
 
 /// A kit for each handle, and the shared status.
-pub struct Kits<'m, W: Pend> {
+pub struct Kits<'m, W: Wake> {
     /// To be made first: the generator asks which of its groups are slow.
     pub stepper: StepperKit<'m>,
     /// For the generator's interrupt.
@@ -35,9 +35,9 @@ pub struct Kits<'m, W: Pend> {
     pub counts: StepCounts<'m>,
 }
 
-impl<'m, W: Pend> Kits<'m, W> {
+impl<'m, W: Wake> Kits<'m, W> {
     /// The kits of a machine with these settings.
-    pub fn new(memory: &'m mut Memory, settings: &Settings, pend: W) -> Self {
+    pub fn new(memory: &'m mut Memory, settings: &Settings, wake: W) -> Self {
         let Memory { moves, events, spans, planned, hosts, orders, groupings, status } = memory;
         *groupings = Groupings::new(&settings.mechanism);
         let (groupings, status): (&'m Groupings, &'m Status) = (groupings, status);
@@ -49,7 +49,7 @@ impl<'m, W: Pend> Kits<'m, W> {
             stepper: StepperKit { events, status },
             generator: GeneratorKit { moves, events: events_in, spans, status, groupings },
             thermal: ThermalKit { orders: orders_in, status },
-            console: ConsoleKit { planned, hosts, orders, groupings, link: Link::new(moves_in, status, counts, pend) },
+            console: ConsoleKit { planned, hosts, orders, groupings, link: Link::new(moves_in, status, counts, wake) },
             status,
             counts,
         }
@@ -64,8 +64,8 @@ pub struct StepperKit<'m> {
 
 impl<'m> StepperKit<'m> {
     /// Makes it.
-    pub fn make<P: StepPort, C: StepClock, W: Pend>(self, ports: StepPorts<P, C>, pend: W) -> Stepper<'m, P, C, W> {
-        Stepper::new(self.events, self.status, ports.pins, ports.clock, pend)
+    pub fn make<P: StepPort, C: StepClock, W: Wake>(self, ports: StepPorts<P, C>, wake: W) -> Stepper<'m, P, C, W> {
+        Stepper::new(self.events, self.status, ports.pins, ports.clock, wake)
     }
 }
 
@@ -94,13 +94,13 @@ pub struct ThermalKit<'m> {
 
 impl<'m> ThermalKit<'m> {
     /// Makes it.
-    pub fn make<H: ThermalPort, W: Pend>(self, settings: &Settings, port: H, pend: W) -> ThermalControl<'m, H, W> {
-        ThermalControl::new(&settings.thermal, self.orders, self.status, port, pend)
+    pub fn make<H: ThermalPort, W: Wake>(self, settings: &Settings, port: H, wake: W) -> ThermalControl<'m, H, W> {
+        ThermalControl::new(&settings.thermal, self.orders, self.status, port, wake)
     }
 }
 
 /// The parts of a [`Console`].
-pub struct ConsoleKit<'m, W: Pend> {
+pub struct ConsoleKit<'m, W: Wake> {
     planned: &'m mut MoveMemory,
     hosts: &'m mut HostMemory,
     orders: Orders<'m>,
@@ -108,7 +108,7 @@ pub struct ConsoleKit<'m, W: Pend> {
     link: Link<'m, W>,
 }
 
-impl<'m, W: Pend> ConsoleKit<'m, W> {
+impl<'m, W: Wake> ConsoleKit<'m, W> {
     /// Makes the Console, which goes back to these `settings` with M502. If `start` (x, y, z) is known, the machine stands
     /// there as if homed.
     pub fn make<S: Serial, D: DriverBus, K: Clock, T: Storage, A: Accelerometer>(

@@ -17,14 +17,14 @@ pub use memory::Memory;
 
 use crate::machine::{Console, PortSet, Ports};
 use crate::motion::{StepCounts, StepGenerator, Stepper};
-use crate::port::{Accelerometer, Clock, DriverBus, Pend, Serial, StepClock, StepPort, Storage, ThermalPort};
+use crate::port::{Accelerometer, Clock, DriverBus, Serial, StepClock, StepPort, Storage, ThermalPort, Wake};
 use crate::settings::Settings;
 use crate::status::Status;
 use crate::thermal::ThermalControl;
 use crate::units::Mm;
 
 /// The handles.
-pub struct Parts<'m, P: StepPort, C: StepClock, Q: PortSet, H: ThermalPort, W: Pend> {
+pub struct Parts<'m, P: StepPort, C: StepClock, Q: PortSet, H: ThermalPort, W: Wake> {
     /// For the step interrupt.
     pub stepper: Stepper<'m, P, C, W>,
     /// For the generator's interrupt.
@@ -52,7 +52,7 @@ pub fn assemble<
     T: Storage,
     A: Accelerometer,
     H: ThermalPort,
-    W: Pend + Copy,
+    W: Wake + Copy,
 >(
     memory: &'m mut Memory,
     settings: &'m Settings,
@@ -60,13 +60,13 @@ pub fn assemble<
     step_ports: StepPorts<P, C>,
     thermal_port: H,
     ports: Ports<S, D, K, T, A>,
-    pend: W,
+    wake: W,
 ) -> Parts<'m, P, C, Ports<S, D, K, T, A>, H, W> {
-    let Kits { stepper, generator, thermal, console, status, counts } = Kits::new(memory, settings, pend);
+    let Kits { stepper, generator, thermal, console, status, counts } = Kits::new(memory, settings, wake);
     Parts {
-        stepper: stepper.make(step_ports, pend),
+        stepper: stepper.make(step_ports, wake),
         generator: generator.make(),
-        thermal: thermal.make(settings, thermal_port, pend),
+        thermal: thermal.make(settings, thermal_port, wake),
         console: console.make(settings, start, ports),
         status,
         counts,

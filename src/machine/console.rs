@@ -35,7 +35,7 @@ use crate::machine::probe::touch::end_touch;
 use crate::machine::state::job::JobEnd;
 use crate::machine::state::kept_line::Answered;
 use crate::motion::{Link, MoveMemory};
-use crate::port::{Accelerometer, Clock, DriverBus, Pend, Serial, Storage};
+use crate::port::{Accelerometer, Clock, DriverBus, Serial, Storage, Wake};
 use crate::protocol::{Action, Echo};
 use crate::settings::Settings;
 use crate::surface::Mesh;
@@ -45,7 +45,7 @@ use core::convert::Infallible;
 use core::pin::pin;
 
 /// The Console.
-pub struct Console<'m, P: PortSet, W: Pend> {
+pub struct Console<'m, P: PortSet, W: Wake> {
     main_loop: MainLoop<'m, P, W>,
     states: States,
 }
@@ -57,7 +57,7 @@ where
     K: Clock,
     T: Storage,
     A: Accelerometer,
-    W: Pend,
+    W: Wake,
 {
     /// A Console of a machine with these groups of motors that stands at `start` if that is known, as if homed.
     pub fn new(
@@ -76,7 +76,7 @@ where
     }
 }
 
-impl<P: PortSet, W: Pend> Console<'_, P, W> {
+impl<P: PortSet, W: Wake> Console<'_, P, W> {
     /// The settings as they are now.
     pub fn settings(&self) -> &Settings {
         &self.main_loop.settings
@@ -214,7 +214,7 @@ impl<P: PortSet, W: Pend> Console<'_, P, W> {
 /// A line was ended before its time. If M410 has done it, hosts are told which one: it has no result.
 #[cold]
 #[inline(never)]
-fn tell_of_end<P: PortSet, W: Pend>(
+fn tell_of_end<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     interrupt: Interrupt,
     text: &[u8],
@@ -227,7 +227,7 @@ fn tell_of_end<P: PortSet, W: Pend>(
 }
 
 /// Sends the answer to a line, and its `ok`.
-async fn reply_to<P: PortSet, W: Pend>(
+async fn reply_to<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     answer: Answer<'_>,
 ) -> Result<(), Interrupt> {
@@ -241,7 +241,7 @@ async fn reply_to<P: PortSet, W: Pend>(
 
 /// The kept line continues: its print does, and if the line could not be carried out before, it is now. Returns its
 /// answer; `None` if it stays kept.
-async fn take_up<'a, P: PortSet, W: Pend>(
+async fn take_up<'a, P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
     text: &'a [u8],

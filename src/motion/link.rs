@@ -5,7 +5,7 @@ use super::step_counts::StepCounts;
 use super::work::{Entry, Work};
 use super::z_limits::ZLimits;
 use crate::motors::MOST_GROUPS;
-use crate::port::Pend;
+use crate::port::Wake;
 use crate::settings::AxisSettings;
 use crate::status::Status;
 use crate::units::{Steps, SubTicks, TICKS_PER_SECOND};
@@ -15,11 +15,11 @@ use heapless::spsc::Producer;
 const LONG_AGO: SubTicks = SubTicks::of_ticks(TICKS_PER_SECOND as u64);
 
 /// The Console's end of the MoveQueue.
-pub struct Link<'m, W: Pend> {
+pub struct Link<'m, W: Wake> {
     queue: Producer<'m, Entry>,
     status: &'m Status,
     counts: StepCounts<'m>,
-    pend: W,
+    wake: W,
     epoch: u8,
     /// Entries ever queued, wrapping.
     entries: u32,
@@ -37,14 +37,14 @@ pub struct Link<'m, W: Pend> {
     has_shifted: bool,
 }
 
-impl<'m, W: Pend> Link<'m, W> {
+impl<'m, W: Wake> Link<'m, W> {
     /// A link with the end `queue` of the MoveQueue.
-    pub fn new(queue: Producer<'m, Entry>, status: &'m Status, counts: StepCounts<'m>, pend: W) -> Self {
+    pub fn new(queue: Producer<'m, Entry>, status: &'m Status, counts: StepCounts<'m>, wake: W) -> Self {
         Self {
             queue,
             status,
             counts,
-            pend,
+            wake,
             epoch: status.epoch(),
             entries: 0,
             left: SubTicks::ZERO,
@@ -98,7 +98,7 @@ impl<'m, W: Pend> Link<'m, W> {
 
     /// Makes the Stepper read the endstops, which it otherwise does only during motion.
     pub fn look_at_endstops(&self) {
-        self.pend.pend_stepper();
+        self.wake.wake_stepper();
     }
 
     /// Queues work; the caller has checked [`has_room`](Self::has_room).
@@ -118,11 +118,11 @@ impl<'m, W: Pend> Link<'m, W> {
             | Work::Heights(..) => SubTicks::ZERO,
         };
         let entry = Entry { epoch: self.epoch, work };
-        self.pend.sees_queued(&entry);
+        self.wake.sees_queued(&entry);
         if self.queue.enqueue(entry).is_ok() {
             self.entries = self.entries.wrapping_add(1);
             self.left += time;
-            self.pend.pend_generator();
+            self.wake.wake_generator();
         }
     }
 
@@ -167,7 +167,7 @@ impl<'m, W: Pend> Link<'m, W> {
         let [fast, calm, all] = [self.fast_left, self.calm, self.left].map(|time| time.whole_ticks() as u32);
         let now = self.seen;
         self.status.z_offset().set_quiet(now.wrapping_add(fast).wrapping_sub(calm), now.wrapping_add(all));
-        self.pend.pend_generator();
+        self.wake.wake_generator();
     }
 
     /// Motion time queued and not yet stepped, in ticks. Call it at least every 429 s.
@@ -193,7 +193,7 @@ impl<'m, W: Pend> Link<'m, W> {
     /// path may lead into moves that are not queued yet.
     pub fn brake(&mut self) {
         self.status.set_brake(Some(self.epoch));
-        self.pend.pend_generator();
+        self.wake.wake_generator();
     }
 
     /// Whether the motion is at rest, and stays so without an [`abort`](Self::abort).
@@ -205,8 +205,8 @@ impl<'m, W: Pend> Link<'m, W> {
     pub fn abort(&mut self) {
         self.status.set_brake(None);
         self.epoch = self.status.next_epoch();
-        self.pend.pend_generator();
-        self.pend.pend_stepper();
+        self.wake.wake_generator();
+        self.wake.wake_stepper();
     }
 
     /// Whether nothing is left of the motion after an abort.

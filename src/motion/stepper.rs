@@ -23,7 +23,7 @@
 //! it does not know the next step. The generator also counts rests in mid-motion (`StepGenerator::run`).
 
 use super::queue::{PackedEvent, StepsOut};
-use crate::port::{GroupSet, Pend, StepClock, StepPort};
+use crate::port::{GroupSet, StepClock, StepPort, Wake};
 use crate::status::Status;
 use crate::units::Tick;
 
@@ -45,7 +45,7 @@ const NO_EPOCH: u16 = 1 << 8;
 /// Plays step events.
 // In this order: the fields that every event needs are first, within reach of short instructions.
 #[repr(C)]
-pub struct Stepper<'m, P: StepPort, C: StepClock, W: Pend> {
+pub struct Stepper<'m, P: StepPort, C: StepClock, W: Wake> {
     /// Due tick of the next event; at rest any value.
     due: Tick,
     /// Lag of motion time behind real time. It is between the two other fields, because the compiler would else store
@@ -56,7 +56,7 @@ pub struct Stepper<'m, P: StepPort, C: StepClock, W: Pend> {
     events: StepsOut<'m>,
     status: &'m Status,
     clock: C,
-    pend: W,
+    wake: W,
     /// State of the direction lines.
     forward: GroupSet,
     /// An epoch with motion ended by an endstop, or [`NO_EPOCH`].
@@ -66,9 +66,9 @@ pub struct Stepper<'m, P: StepPort, C: StepClock, W: Pend> {
     port: P,
 }
 
-impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
+impl<'m, P: StepPort, C: StepClock, W: Wake> Stepper<'m, P, C, W> {
     /// The stepper at the end of the StepQueue.
-    pub fn new(events: StepsOut<'m>, status: &'m Status, mut port: P, clock: C, pend: W) -> Self {
+    pub fn new(events: StepsOut<'m>, status: &'m Status, mut port: P, clock: C, wake: W) -> Self {
         port.dir(GroupSet::NONE);
         status.set_inputs(port.inputs());
         status.set_slow_groups(port.slow_groups());
@@ -81,7 +81,7 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
             status,
             port,
             clock,
-            pend,
+            wake,
             time: 0,
             forward: GroupSet::NONE,
             ended: NO_EPOCH,
@@ -153,7 +153,7 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
     fn after_event(&mut self, event: PackedEvent) {
         self.time = self.tick();
         if event.wants_refill() {
-            self.pend.pend_generator();
+            self.wake.wake_generator();
         }
     }
 
@@ -209,7 +209,7 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
                     (self.ended, epoch) = (epoch, NO_EPOCH);
                     // No event is of NO_EPOCH, so the next turn of this loop finds none and rests.
                     self.next = PackedEvent::RESTING;
-                    self.pend.pend_generator();
+                    self.wake.wake_generator();
                     continue;
                 }
             }
@@ -287,7 +287,7 @@ impl<'m, P: StepPort, C: StepClock, W: Pend> Stepper<'m, P, C, W> {
     #[inline(never)]
     fn yield_cpu(&mut self) {
         if !self.clock.alarm(self.clock.now().after(YIELD)) {
-            self.pend.pend_stepper();
+            self.wake.wake_stepper();
         }
     }
 

@@ -14,7 +14,7 @@ use super::self_test::{End, Readings, SelfTest};
 use super::tune::Tune;
 use crate::connectors::{FANS, HEATERS, Heater, OUTPUTS, Sensor};
 use crate::fault::{Cause, Fault};
-use crate::port::{Pend, ThermalPort};
+use crate::port::{ThermalPort, Wake};
 use crate::settings::{Bounds, FanRole, ThermalSettings, part_fans, sum};
 use crate::status::Status;
 use crate::units::Celsius;
@@ -41,11 +41,11 @@ impl Found {
 }
 
 /// Heaters, fans and sensors of a machine.
-pub struct ThermalControl<'m, H: ThermalPort, W: Pend> {
+pub struct ThermalControl<'m, H: ThermalPort, W: Wake> {
     port: H,
     orders: OrdersIn<'m>,
     status: &'m Status,
-    pend: W,
+    wake: W,
     heaters: [HeaterLoop; HEATERS],
     fans: [Fan; FANS],
     fan_turns: [FanTurns; FANS],
@@ -70,14 +70,14 @@ pub struct ThermalControl<'m, H: ThermalPort, W: Pend> {
     scrub_in: u32,
 }
 
-impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
+impl<'m, H: ThermalPort, W: Wake> ThermalControl<'m, H, W> {
     /// All heaters off.
-    pub fn new(settings: &ThermalSettings, orders: OrdersIn<'m>, status: &'m Status, port: H, pend: W) -> Self {
+    pub fn new(settings: &ThermalSettings, orders: OrdersIn<'m>, status: &'m Status, port: H, wake: W) -> Self {
         let mut control = Self {
             port,
             orders,
             status,
-            pend,
+            wake,
             heaters: Heater::ALL.map(|heater| HeaterLoop::new(heater, *settings.heater(heater))),
             fans: settings.fans.map(Fan::new),
             fan_turns: [FanTurns::new(); FANS],
@@ -186,10 +186,10 @@ impl<'m, H: ThermalPort, W: Pend> ThermalControl<'m, H, W> {
     /// Feeds the watchdog, and checks the settings in RAM.
     fn listen(&mut self) {
         if self.heartbeats.is_silent(Context::Generator) {
-            self.pend.pend_generator();
+            self.wake.wake_generator();
         }
         if self.heartbeats.is_silent(Context::Stepper) {
-            self.pend.pend_stepper();
+            self.wake.wake_stepper();
         }
         if let Some(fault) = self.heartbeats.listen(self.status) {
             self.status.fault().set(fault);

@@ -8,7 +8,7 @@ use crate::dice::Dice;
 use crate::line::{plan, shaping};
 use corehbot::kinematics::{Grouping, Groupings, MotorTable};
 use corehbot::motion::{Link, Move, MoveQueue, SpanMemory, StepGenerator, StepQueue, Stepper, Work};
-use corehbot::port::{EndstopSet, GroupSet, MotorSet, Pend, StepPort};
+use corehbot::port::{EndstopSet, GroupSet, MotorSet, StepPort, Wake};
 use corehbot::settings::{Settings, ShaperKind, sum};
 use corehbot::status::Status;
 use corehbot::units::{Steps, SubTicks};
@@ -22,12 +22,12 @@ struct Pended {
     stepper: Cell<bool>,
 }
 
-impl Pend for &Pended {
-    fn pend_generator(&self) {
+impl Wake for &Pended {
+    fn wake_generator(&self) {
         self.generator.set(true);
     }
 
-    fn pend_stepper(&self) {
+    fn wake_stepper(&self) {
         self.stepper.set(true);
     }
 }

@@ -1,6 +1,6 @@
 //! Step counts, which are not kept event by event, against pins that count each event.
 
-use crate::clock::{Clock, NullPend, Timer};
+use crate::clock::{Clock, NoWake, Timer};
 use corehbot::kinematics::{Groupings, Mechanism};
 use corehbot::motion::{
     Link, MoveMemory, MoveQueue, Planner, SpanMemory, StepCounts, StepGenerator, StepQueue, Stepper, Target, Work,
@@ -51,13 +51,13 @@ impl StepPort for Pins<'_> {
 /// Plays up to `alarms` alarms and compares the counts after each; the generator comes every `turns`-th time.
 fn play(
     bench: &Bench,
-    (stepper, generator): (&mut Stepper<'_, Pins<'_>, Timer<'_>, NullPend>, &mut StepGenerator<'_>),
+    (stepper, generator): (&mut Stepper<'_, Pins<'_>, Timer<'_>, NoWake>, &mut StepGenerator<'_>),
     counts: &StepCounts<'_>,
     (alarms, turns): (usize, usize),
 ) {
     for alarm in 0..alarms {
         if alarm % turns == 0 {
-            generator.run(&NullPend);
+            generator.run(&NoWake);
             stepper.on_alarm();
         }
         assert_eq!(counts.read(), bench.counts.get());
@@ -85,8 +85,8 @@ proptest! {
         let (moves_in, moves_out) = move_queue.split();
         let (events_in, events_out) = step_queue.split();
         let counts = events_out.counts(&status);
-        let mut link = Link::new(moves_in, &status, counts, NullPend);
-        let mut stepper = Stepper::new(events_out, &status, Pins(&bench), Timer(&bench.clock), NullPend);
+        let mut link = Link::new(moves_in, &status, counts, NoWake);
+        let mut stepper = Stepper::new(events_out, &status, Pins(&bench), Timer(&bench.clock), NoWake);
         let mut generator = StepGenerator::new(moves_out, events_in, &mut spans, &status, &groupings);
         for round in 0..2 {
             // A new name for the place, without motion.

@@ -7,7 +7,7 @@ use corehbot::status::{Late, Status};
 use corehbot::units::Tick;
 use std::cell::{Cell, RefCell};
 
-use crate::clock::NullPend;
+use crate::clock::NoWake;
 
 /// Cycles a tick, the longest and the shortest time that the timer is set to, and how early it rings
 /// (`chips/stm32f446`, step_timer.rs).
@@ -89,7 +89,7 @@ fn play(intervals: &[u32], start: u64, entry: u64) -> (Vec<i64>, Status) {
     world.cycles.set(start);
     let mut queue = StepQueue::new();
     let (mut events_in, events_out) = queue.split();
-    let mut stepper = Stepper::new(events_out, &status, Pins(&world), Core(&world), NullPend);
+    let mut stepper = Stepper::new(events_out, &status, Pins(&world), Core(&world), NoWake);
     for (number, interval) in intervals.iter().enumerate() {
         let event = StepEvent {
             interval: *interval,

@@ -1,6 +1,6 @@
 //! The stepper on its pins: its effect on the lines, the order, and the times.
 
-use crate::clock::{Clock, NullPend, Timer};
+use crate::clock::{Clock, NoWake, Timer};
 use corehbot::kinematics::{Groupings, Mechanism};
 use corehbot::motion::{
     Entry, Link, MoveMemory, MoveQueue, Planner, SpanMemory, StepEvent, StepGenerator, StepQueue, Stepper, Target, Work,
@@ -72,7 +72,7 @@ fn play(bench: &Bench, status: &Status, events: &[StepEvent], start: u32, delay:
     let mut queue = StepQueue::new();
     let (mut events_in, events_out) = queue.split();
     bench.clock.now.set(start);
-    let mut stepper = Stepper::new(events_out, status, Pins(bench), Timer(&bench.clock), NullPend);
+    let mut stepper = Stepper::new(events_out, status, Pins(bench), Timer(&bench.clock), NoWake);
     for event in events {
         events_in.enqueue(*event).unwrap();
     }
@@ -164,7 +164,7 @@ fn many_events_that_are_due_at_once_leave_the_processor_in_between() {
         let (bench, status) = (Bench::default(), Status::new());
         let mut queue = StepQueue::new();
         let (mut events_in, events_out) = queue.split();
-        let mut stepper = Stepper::new(events_out, &status, Pins(&bench), Timer(&bench.clock), NullPend);
+        let mut stepper = Stepper::new(events_out, &status, Pins(&bench), Timer(&bench.clock), NoWake);
         for _ in 0..90 {
             events_in.enqueue(event(1, steps, DOWN)).unwrap();
         }
@@ -211,7 +211,7 @@ fn a_pressed_endstop_ends_the_motion_that_watches_it() {
 }
 
 /// Lets the stepper play until it rests.
-fn play_on(bench: &Bench, stepper: &mut Stepper<'_, Pins<'_>, Timer<'_>, NullPend>) {
+fn play_on(bench: &Bench, stepper: &mut Stepper<'_, Pins<'_>, Timer<'_>, NoWake>) {
     stepper.on_alarm();
     while let Some(alarm) = bench.clock.alarm.get() {
         bench.clock.now.set(alarm);
@@ -226,8 +226,8 @@ fn events_of_a_past_epoch_make_no_steps_and_are_taken_back() {
     let (moves_in, _moves_out) = queue.split();
     let mut queue = StepQueue::new();
     let (mut events_in, events_out) = queue.split();
-    let mut link = Link::new(moves_in, &status, events_out.counts(&status), NullPend);
-    let mut stepper = Stepper::new(events_out, &status, Pins(&bench), Timer(&bench.clock), NullPend);
+    let mut link = Link::new(moves_in, &status, events_out.counts(&status), NoWake);
+    let mut stepper = Stepper::new(events_out, &status, Pins(&bench), Timer(&bench.clock), NoWake);
     for steps in [V, V, GroupSet(3)] {
         events_in.enqueue(event(1000, steps, GroupSet(1))).unwrap();
     }
@@ -254,7 +254,7 @@ fn another_coupling_has_the_direction_lines_set_anew() {
     let (bench, status) = (Bench::default(), Status::new());
     let mut queue = StepQueue::new();
     let (mut events_in, events_out) = queue.split();
-    let mut stepper = Stepper::new(events_out, &status, Pins(&bench), Timer(&bench.clock), NullPend);
+    let mut stepper = Stepper::new(events_out, &status, Pins(&bench), Timer(&bench.clock), NoWake);
     events_in.enqueue(event(1000, V, V)).unwrap();
     play_on(&bench, &mut stepper);
     let before = bench.lines.take();
@@ -276,7 +276,7 @@ fn an_epoch_that_comes_round_again_is_not_the_one_that_ended() {
     let mut queue = StepQueue::new();
     let (mut events_in, events_out) = queue.split();
     let counts = events_out.counts(&status);
-    let mut stepper = Stepper::new(events_out, &status, Pins(&bench), Timer(&bench.clock), NullPend);
+    let mut stepper = Stepper::new(events_out, &status, Pins(&bench), Timer(&bench.clock), NoWake);
     events_in.enqueue(StepEvent { watch: EndstopSet::X, ..event(0, V, DOWN) }).unwrap();
     bench.clock.now.set(1000);
     stepper.on_alarm();
@@ -285,7 +285,7 @@ fn an_epoch_that_comes_round_again_is_not_the_one_that_ended() {
     assert_eq!(status.triggered(), EndstopSet::X);
     let mut queue = MoveQueue::new();
     let (moves_in, _moves_out) = queue.split();
-    let mut link = Link::new(moves_in, &status, counts, NullPend);
+    let mut link = Link::new(moves_in, &status, counts, NoWake);
     for _ in 0..256 {
         link.abort();
         events_in.take_back();
@@ -326,13 +326,13 @@ fn a_motion_that_has_met_its_endstop_is_not_made_to_its_end() {
     for entry in moves(&[[0, 0, -300]], 10, EndstopSet::Z) {
         moves_in.enqueue(entry).unwrap();
     }
-    generator.run(&NullPend);
+    generator.run(&NoWake);
     assert!(steps_out.dequeue().is_some());
     bench.pressed.set(EndstopSet::Z.0);
     play(&bench, &status, &[StepEvent { watch: EndstopSet::Z, ..event(1000, V, UP) }], 0, |_| 0);
     assert_eq!(status.triggered(), EndstopSet::Z);
     while steps_out.dequeue().is_some() {}
-    generator.run(&NullPend);
+    generator.run(&NoWake);
     assert!(steps_out.dequeue().is_none(), "nothing is made that would be discarded");
 }
 
@@ -350,7 +350,7 @@ fn directions_are_set_ahead_of_the_step_that_needs_them() {
     }
     // Motion time stands, so events are made 10 ms ahead at the most, and a few at a time behind that.
     let events = std::iter::from_fn(|| {
-        generator.run(&NullPend);
+        generator.run(&NoWake);
         steps_out.dequeue()
     });
     let (mut forward, mut turns, mut since_turn) = (GroupSet::NONE, 0, u32::MAX);

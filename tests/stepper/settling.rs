@@ -1,6 +1,6 @@
 //! The end of motion: the Stepper comes to rest, and misses no event.
 
-use crate::clock::{Clock, NullPend, Timer};
+use crate::clock::{Clock, NoWake, Timer};
 use corehbot::kinematics::{Groupings, Mechanism};
 use corehbot::motion::{
     Link, MoveMemory, MoveQueue, Planner, SpanMemory, StepGenerator, StepQueue, Stepper, Target, Work,
@@ -24,7 +24,7 @@ impl StepPort for Pins {
 /// The context that is too slow in a run.
 #[derive(Clone, Copy, PartialEq)]
 enum Sleeper {
-    NullPend,
+    NoWake,
     /// The generator, once, from this alarm on until the Stepper rests.
     Generator(usize),
     /// The host: each move comes when all of the one before is played.
@@ -35,7 +35,7 @@ enum Sleeper {
 
 /// The overload in a run of these moves.
 fn overload(ways: &[([f64; 2], f64)]) -> Overload {
-    overload_with(ways, Sleeper::NullPend)
+    overload_with(ways, Sleeper::NoWake)
 }
 
 /// The same with one context that is too slow.
@@ -46,8 +46,8 @@ fn overload_with(ways: &[([f64; 2], f64)], sleeper: Sleeper) -> Overload {
     let (mut move_queue, mut step_queue) = (MoveQueue::new(), StepQueue::new());
     let (moves_in, moves_out) = move_queue.split();
     let (events_in, events_out) = step_queue.split();
-    let mut link = Link::new(moves_in, &status, events_out.counts(&status), NullPend);
-    let mut stepper = Stepper::new(events_out, &status, Pins, Timer(&clock), NullPend);
+    let mut link = Link::new(moves_in, &status, events_out.counts(&status), NoWake);
+    let mut stepper = Stepper::new(events_out, &status, Pins, Timer(&clock), NoWake);
     let mut generator = StepGenerator::new(moves_out, events_in, &mut spans, &status, &groupings);
     let mut planner = Planner::new(&mut memory, &settings, [Mm::ZERO; 4]);
     link.send(Work::Position([Steps::ZERO; 4]));
@@ -67,7 +67,7 @@ fn overload_with(ways: &[([f64; 2], f64)], sleeper: Sleeper) -> Overload {
     for alarm in 0..1_000_000 {
         let is_asleep = sleeps_from.is_some_and(|from| alarm >= from);
         if !is_asleep {
-            generator.run(&NullPend);
+            generator.run(&NoWake);
         }
         stepper.on_alarm();
         if sleeper == Sleeper::Console
@@ -90,7 +90,7 @@ fn overload_with(ways: &[([f64; 2], f64)], sleeper: Sleeper) -> Overload {
         };
         clock.now.set(at);
         if !is_asleep {
-            generator.run(&NullPend);
+            generator.run(&NoWake);
         }
         stepper.on_alarm();
     }

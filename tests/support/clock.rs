@@ -1,6 +1,6 @@
-//! A clock that is set by hand, and a `Pend` without effect.
+//! A clock that is set by hand, and a `Wake` without effect.
 
-use corehbot::port::{Pend, StepClock};
+use corehbot::port::{StepClock, Wake};
 use corehbot::units::Tick;
 use std::cell::Cell;
 
@@ -29,9 +29,9 @@ impl StepClock for Timer<'_> {
 }
 
 #[derive(Clone, Copy)]
-pub struct NullPend;
+pub struct NoWake;
 
-impl Pend for NullPend {
-    fn pend_generator(&self) {}
-    fn pend_stepper(&self) {}
+impl Wake for NoWake {
+    fn wake_generator(&self) {}
+    fn wake_stepper(&self) {}
 }

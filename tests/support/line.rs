@@ -5,7 +5,7 @@ use corehbot::motion::{
     Entry, Move, MoveMemory, MoveQueue, Planner, SpanMemory, StepGenerator, StepQueue, Stepper, SurfaceFrame, Target,
     Work, advance_window, stiffenings, surface_work, taps,
 };
-use corehbot::port::{EndstopSet, GroupSet, MotorSet, Pend, StepClock, StepPort};
+use corehbot::port::{EndstopSet, GroupSet, MotorSet, StepClock, StepPort, Wake};
 use corehbot::settings::Settings;
 use corehbot::status::Status;
 use corehbot::surface::Mesh;
@@ -14,11 +14,11 @@ use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
 #[derive(Clone, Copy)]
-struct NullPend;
+struct NoWake;
 
-impl Pend for NullPend {
-    fn pend_generator(&self) {}
-    fn pend_stepper(&self) {}
+impl Wake for NoWake {
+    fn wake_generator(&self) {}
+    fn wake_stepper(&self) {}
 }
 
 /// One step event with its tick counted up.
@@ -164,7 +164,7 @@ pub fn generate_from(work: impl Iterator<Item = Work>, settings: &Settings) -> V
         Pins { table: MotorTable::new(&groupings.tool.coupling()), forward: MotorSet::NONE, steps: Rc::default() };
     let alarm = Cell::new(None);
     let steps = pins.steps.clone();
-    let mut stepper = Stepper::new(steps_out, &status, pins, Hurry(&alarm, 0), NullPend);
+    let mut stepper = Stepper::new(steps_out, &status, pins, Hurry(&alarm, 0), NoWake);
     let mut left = work;
     let mut held = left.next();
     let mut idle = 0;
@@ -184,7 +184,7 @@ pub fn generate_from(work: impl Iterator<Item = Work>, settings: &Settings) -> V
             }
             held = left.next();
         }
-        generator.run(&NullPend);
+        generator.run(&NoWake);
         idle += 1;
         stepper.on_alarm();
         has_called();

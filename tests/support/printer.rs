@@ -2,7 +2,7 @@
 
 use corehbot::connectors::{FANS, Heater, OUTPUTS, Output, OutputSet, Sensor};
 use corehbot::fault::Fault;
-use corehbot::port::{Pend, ThermalPort};
+use corehbot::port::{ThermalPort, Wake};
 use corehbot::settings::{ThermalSettings, Thermistor, part_fans};
 use corehbot::status::Status;
 use corehbot::thermal::{Order, OrderQueue, Orders, PERIOD_MS, ThermalControl};
@@ -76,13 +76,13 @@ impl ThermalPort for BenchPort {
     }
 }
 
-/// A `Pend` without effect.
+/// A `Wake` without effect.
 #[derive(Clone, Copy)]
-pub struct NullPend;
+pub struct NoWake;
 
-impl Pend for NullPend {
-    fn pend_generator(&self) {}
-    fn pend_stepper(&self) {}
+impl Wake for NoWake {
+    fn wake_generator(&self) {}
+    fn wake_stepper(&self) {}
 }
 
 /// A printer without motors.
@@ -90,7 +90,7 @@ pub struct Printer {
     pub bench: Rc<RefCell<Bench>>,
     pub status: &'static Status,
     pub orders: Orders<'static>,
-    control: ThermalControl<'static, BenchPort, NullPend>,
+    control: ThermalControl<'static, BenchPort, NoWake>,
     settings: ThermalSettings,
     extruded: f64,
     /// Contexts that no longer come by: Console, StepGenerator, Stepper.
@@ -136,7 +136,7 @@ impl Printer {
         let queue: &'static mut OrderQueue = Box::leak(Box::new(OrderQueue::new()));
         let (orders, orders_in) = queue.split();
         let status: &'static Status = Box::leak(Box::new(Status::new()));
-        let control = ThermalControl::new(&settings, orders_in, status, BenchPort(bench.clone()), NullPend);
+        let control = ThermalControl::new(&settings, orders_in, status, BenchPort(bench.clone()), NoWake);
         Self { bench, status, orders, control, settings, extruded: 0.0, silent: [false; 3], seconds: 0.0 }
     }
 

@@ -2,7 +2,7 @@
 
 use corehbot::connectors::{HEATERS, Heater, OUTPUTS, OutputSet, Sensor};
 use corehbot::fault::Cause;
-use corehbot::port::{Pend, ThermalPort};
+use corehbot::port::{ThermalPort, Wake};
 use corehbot::settings::{Control, FanRole, FanSettings, Guards, HeaterModel, HeaterSettings, Pid};
 use corehbot::settings::{ThermalSettings, Thermistor};
 use corehbot::status::{SelfTest, Status};
@@ -50,11 +50,11 @@ impl ThermalPort for WildPort {
 }
 
 #[derive(Clone, Copy)]
-struct NullPend;
+struct NoWake;
 
-impl Pend for NullPend {
-    fn pend_generator(&self) {}
-    fn pend_stepper(&self) {}
+impl Wake for NoWake {
+    fn wake_generator(&self) {}
+    fn wake_stepper(&self) {}
 }
 
 /// Numbers out of bytes; zeros after their end.
@@ -208,7 +208,7 @@ pub fn heat_orders(data: &[u8]) {
     let wild = Rc::new(Wild::default());
     let (mut queue, status) = (OrderQueue::new(), Status::new());
     let (mut orders, orders_in) = queue.split();
-    let mut control = ThermalControl::new(&machine, orders_in, &status, WildPort(wild.clone()), NullPend);
+    let mut control = ThermalControl::new(&machine, orders_in, &status, WildPort(wild.clone()), NoWake);
     let mut watch = Watch { machine, silent: [0; 3], had_target: [false; HEATERS], cause: None };
     let mut bytes = Bytes(data);
     while !bytes.0.is_empty() {

@@ -6,10 +6,10 @@
 #![forbid(unsafe_code)]
 
 use corehbot::motion::StepGenerator;
-use corehbot::port::Pend;
+use corehbot::port::Wake;
 
 /// Makes step events, and tells whether the Console may have waited for them: [`StepGenerator::run`].
 #[inline(never)]
-pub fn generate(generator: &mut StepGenerator<'_>, pend: &dyn Pend) -> bool {
-    generator.run(pend)
+pub fn generate(generator: &mut StepGenerator<'_>, wake: &dyn Wake) -> bool {
+    generator.run(wake)
 }

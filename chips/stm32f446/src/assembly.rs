@@ -8,10 +8,10 @@ use static_cell::{ConstStaticCell, StaticCell};
 
 use crate::handles::{BoardPorts, Console, StepGenerator, ThermalControl};
 use crate::heat::BoardHeat;
-use crate::pend::IrqPend;
 use crate::step_pins::StepPins;
 use crate::step_timer::StepTimer;
 use crate::stepper::give_stepper;
+use crate::wake::IrqWake;
 
 static MEMORY: ConstStaticCell<Memory> = ConstStaticCell::new(Memory::new());
 static GENERATOR: StaticCell<StepGenerator> = StaticCell::new();
@@ -38,7 +38,7 @@ pub fn assemble(
     heat: BoardHeat,
     ports: BoardPorts,
 ) -> Handles {
-    let Kits { stepper, generator, thermal, console, status, .. } = Kits::new(MEMORY.take(), settings, IrqPend);
+    let Kits { stepper, generator, thermal, console, status, .. } = Kits::new(MEMORY.take(), settings, IrqWake);
     give_stepper(stepper, step_ports);
     Handles {
         generator: make_generator(generator),
@@ -55,12 +55,12 @@ fn make_generator(kit: GeneratorKit<'static>) -> &'static mut StepGenerator {
 
 #[inline(never)]
 fn make_thermal(kit: ThermalKit<'static>, settings: &Settings, heat: BoardHeat) -> &'static mut ThermalControl {
-    THERMAL.init_with(|| kit.make(settings, heat, IrqPend))
+    THERMAL.init_with(|| kit.make(settings, heat, IrqWake))
 }
 
 #[inline(never)]
 fn make_console(
-    kit: ConsoleKit<'static, IrqPend>,
+    kit: ConsoleKit<'static, IrqWake>,
     settings: &'static Settings,
     ports: BoardPorts,
 ) -> &'static mut Console {

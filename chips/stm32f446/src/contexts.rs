@@ -16,8 +16,8 @@ use crate::assembly::Handles;
 use crate::console_waker::{self, wake_console};
 use crate::handles::{Console, StepGenerator, ThermalControl};
 use crate::host_serial::HostSerial;
-use crate::pend::IrqPend;
 use crate::usb::{self, UsbPort};
+use crate::wake::IrqWake;
 use crate::{fault, heater_timer, pin_scrub, priorities, reset_reason, storm, time, watchdog};
 
 static GENERATOR: Handover<&'static mut StepGenerator> = Handover::new();
@@ -119,7 +119,7 @@ async fn stay_awake() {
 /// Software has a move to turn into steps, or room for steps.
 #[interrupt]
 fn CAN2_SCE() {
-    if GENERATOR.with(|generator| generate(generator, &IrqPend)) {
+    if GENERATOR.with(|generator| generate(generator, &IrqWake)) {
         wake_console();
     }
     finish_stores();

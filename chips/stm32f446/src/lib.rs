@@ -81,8 +81,6 @@ mod narrow_heaters;
 #[cfg(target_os = "none")]
 mod otg;
 #[cfg(target_os = "none")]
-mod pend;
-#[cfg(target_os = "none")]
 mod pin_scrub;
 #[cfg(target_os = "none")]
 mod plain_serial;
@@ -122,6 +120,8 @@ mod time;
 mod usart;
 #[cfg(target_os = "none")]
 mod usb;
+#[cfg(target_os = "none")]
+mod wake;
 #[cfg(target_os = "none")]
 mod watchdog;
 

@@ -8,7 +8,7 @@ use embassy_stm32::interrupt::{InterruptExt as _, Priority};
 use embassy_stm32::pac::Interrupt;
 
 use crate::resources::SOURCES;
-use crate::{driver_uart, heater_timer, otg, pend, servo, supply, tachometers, time};
+use crate::{driver_uart, heater_timer, otg, servo, supply, tachometers, time, wake};
 
 /// Priority shared by the host lines, the drivers' UART, tachometers, the accelerometer and the time: below the
 /// Stepper and a servo's edges, above everything else.
@@ -33,7 +33,7 @@ const PRIORITIES: [(Interrupt, Priority); SOURCES.len()] = [
     (tachometers::IRQ, LINK),
     (Interrupt::TIM6_DAC, LINK),
     (Interrupt::DMA1_STREAM0, LINK),
-    (pend::GENERATOR_IRQ, Priority::P8),
+    (wake::GENERATOR_IRQ, Priority::P8),
     (heater_timer::IRQ, Priority::P12),
 ];
 

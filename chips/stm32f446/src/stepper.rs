@@ -5,11 +5,11 @@ use corehbot::motion;
 use corehbot_cortex_m4::Handover;
 use cortex_m_rt::exception;
 
-use crate::pend::IrqPend;
 use crate::step_pins::{DirRow, Dirs, Row, StepPins, Steps};
 use crate::step_timer::StepTimer;
+use crate::wake::IrqWake;
 
-type Stepper = motion::Stepper<'static, StepPins, StepTimer, IrqPend>;
+type Stepper = motion::Stepper<'static, StepPins, StepTimer, IrqWake>;
 
 /// The Stepper itself, which its interrupt finds so with one load less.
 static STEPPER: Handover<Stepper> = Handover::new();
@@ -17,7 +17,7 @@ static STEPPER: Handover<Stepper> = Handover::new();
 /// Makes the Stepper, which lives with its interrupt.
 #[inline(never)]
 pub fn give_stepper(kit: StepperKit<'static>, ports: StepPorts<StepPins, StepTimer>) {
-    STEPPER.fill(kit.make(ports, IrqPend));
+    STEPPER.fill(kit.make(ports, IrqWake));
 }
 
 // The section of the handler below begins with a line of flash. So the handler takes as few lines as it can wherever

@@ -11,7 +11,7 @@ use crate::plugs::Plugs;
 use corehbot::kinematics::MotorTable;
 use corehbot::motion::{Entry, SurfaceFrame};
 use corehbot::motors::{EndstopSet, GroupSet, MOTORS, MotorSet};
-use corehbot::port::{Clock, Pend, Received, Serial, StepClock, StepPort};
+use corehbot::port::{Clock, Received, Serial, StepClock, StepPort, Wake};
 use corehbot::surface::Heights;
 use corehbot::units::{Instant, Tick};
 use corehbot_rig::Rig;
@@ -108,14 +108,14 @@ impl Wire {
 }
 
 #[derive(Clone, Copy)]
-pub(crate) struct Pends<'w>(pub &'w Shared);
+pub(crate) struct SimWake<'w>(pub &'w Shared);
 
-impl Pend for Pends<'_> {
-    fn pend_generator(&self) {
+impl Wake for SimWake<'_> {
+    fn wake_generator(&self) {
         self.0.generator.set(true);
     }
 
-    fn pend_stepper(&self) {
+    fn wake_stepper(&self) {
         self.0.stepper.set(true);
     }
 

@@ -19,7 +19,7 @@ use crate::heat_plant::HeatSetup;
 use crate::moves::Tap;
 use crate::odometer::Odometer;
 pub use crate::ports::Wire;
-use crate::ports::{Line, Mechanics, Pends, Pins, Shared, Timer};
+use crate::ports::{Line, Mechanics, Pins, Shared, SimWake, Timer};
 use crate::reach::Reach;
 use corehbot::app::{Parts, StepPorts, assemble};
 use corehbot::kinematics::{Groups, MotorTable};
@@ -41,7 +41,7 @@ use std::collections::VecDeque;
 use std::pin::Pin;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::task::{Context, Wake, Waker};
+use std::task::{Context, Waker};
 pub use z_shifts::{ZShift, ZShifts};
 
 /// How a print ended.
@@ -82,7 +82,7 @@ impl Wakes {
     }
 }
 
-impl Wake for Wakes {
+impl std::task::Wake for Wakes {
     fn wake(self: Arc<Self>) {
         self.0.store(true, Ordering::Relaxed);
     }
@@ -121,9 +121,9 @@ pub struct World<'w> {
     extruder: Option<Motor>,
     status: &'w Status,
     counts: StepCounts<'w>,
-    stepper: Stepper<'w, Pins<'w>, Timer<'w>, Pends<'w>>,
+    stepper: Stepper<'w, Pins<'w>, Timer<'w>, SimWake<'w>>,
     generator: StepGenerator<'w>,
-    thermal: ThermalControl<'w, Heat, Pends<'w>>,
+    thermal: ThermalControl<'w, Heat, SimWake<'w>>,
     /// Accidents still to come, by time.
     accidents: &'w [Accident],
     /// Faults of the probe still to come, and when, in s.
@@ -237,7 +237,7 @@ impl<'w> World<'w> {
         let plant = heat.truth.as_ref().map_or_else(|| Heat::new(settings), |truth| Heat::with(settings, truth));
         let plant = plant.standing_on(left.take().map(|plant| *plant));
         let Parts { stepper, generator, thermal, mut console, status, counts } =
-            assemble(memory, settings, start, step_ports, plant, ports, Pends(shared));
+            assemble(memory, settings, start, step_ports, plant, ports, SimWake(shared));
         if let Some(mesh) = mesh {
             console.lay_mesh(mesh);
         }
@@ -341,7 +341,7 @@ impl<'w> World<'w> {
     #[inline(never)]
     fn generate(&mut self) {
         while self.shared.generator.replace(false) {
-            self.generator.run(&Pends(self.shared));
+            self.generator.run(&SimWake(self.shared));
             self.follow_moves();
             self.note_surface();
             self.z_shifts.attend(self.status, self.stepper.tick());

@@ -22,7 +22,7 @@ use crate::machine::main_loop::phase::find_phase;
 use crate::machine::main_loop::trim::{preload_of, trim, trimmed};
 use crate::machine::ports::PortSet;
 use crate::machine::state::trimming::Found;
-use crate::port::{MotorSet, Pend};
+use crate::port::{MotorSet, Wake};
 use crate::settings::Settings;
 use crate::units::MmPerSec;
 use core::pin::pin;
@@ -74,7 +74,7 @@ enum Work {
 
 /// Aligns all motors that can pull against each other. They have power, and the tool has room along x and y. The tool
 /// ends near its place. The caller then homes x and y and proves the result ([`measure_again`]).
-pub(in crate::machine) async fn align<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn align<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), BeltError> {
     let residuals = main_loop.settings.residuals();
@@ -88,14 +88,14 @@ pub(in crate::machine) async fn align<P: PortSet, W: Pend>(
 /// Proves that the belt has the wanted strain. A skip after trimming, or one that spoiled the findings, strains it by
 /// about four full steps. A roller that holds strain back holds another one after homing. The proof relies on no
 /// earlier finding, and both have to agree.
-pub(in crate::machine) fn measure_again<P: PortSet, W: Pend>(
+pub(in crate::machine) fn measure_again<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     residuals: &Residuals,
 ) -> impl Future<Output = Result<(), BeltError>> {
     measure_each(main_loop, residuals, Work::Prove)
 }
 
-async fn measure_each<P: PortSet, W: Pend>(
+async fn measure_each<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     residuals: &Residuals,
     work: Work,
@@ -117,7 +117,7 @@ async fn measure_each<P: PortSet, W: Pend>(
     result
 }
 
-async fn align_one<P: PortSet, W: Pend>(
+async fn align_one<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     number: usize,
     residual: &Residual,
@@ -127,7 +127,7 @@ async fn align_one<P: PortSet, W: Pend>(
     Ok(leave_at(main_loop, number, residual, found, phase).await?)
 }
 
-async fn prove_one<P: PortSet, W: Pend>(
+async fn prove_one<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     number: usize,
     residual: &Residual,
@@ -161,7 +161,7 @@ fn per_mm(slope: Slope, settings: &Settings) -> u16 {
 
 /// Moves the trimmed motor of a residual from the apex to the wanted preload and notes the finding, with the phase if
 /// it was searched for.
-pub(in crate::machine) async fn leave_at<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn leave_at<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     number: usize,
     residual: &Residual,
@@ -182,7 +182,7 @@ pub(in crate::machine) async fn leave_at<P: PortSet, W: Pend>(
 }
 
 /// Switches the drivers of these motors to load measurement.
-pub(in crate::machine) async fn begin_measuring<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn begin_measuring<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     motors: MotorSet,
 ) -> Result<(), BeltError> {
@@ -205,7 +205,7 @@ pub(in crate::machine) async fn begin_measuring<P: PortSet, W: Pend>(
 
 /// Restores the drivers' settings if they measure loads. Nothing moves during the change of mode, and motion is at
 /// rest.
-pub(in crate::machine) async fn end_measuring<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn end_measuring<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), Interrupt> {
     if !main_loop.trimming.is_measuring() {
@@ -217,7 +217,7 @@ pub(in crate::machine) async fn end_measuring<P: PortSet, W: Pend>(
 }
 
 /// Finds the trim at which the motors of a residual do not pull against each other, and leaves the motor there.
-pub(in crate::machine) async fn find_apex<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn find_apex<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     number: usize,
     residual: &Residual,
@@ -232,7 +232,7 @@ pub(in crate::machine) async fn find_apex<P: PortSet, W: Pend>(
     found.map(Some)
 }
 
-async fn climb<P: PortSet, W: Pend>(
+async fn climb<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     scan: &mut Scan,
 ) -> Result<ApexFound, BeltError> {
@@ -299,7 +299,7 @@ async fn climb<P: PortSet, W: Pend>(
 /// Refuses a motor that does not follow its field, with the apex in the middle: it moves with the next stroke. Refuses
 /// loads that contradict each other by more than half a full step, at which strain and phase are not known. If other
 /// motors do so without that motor, it is not to blame. Returns the contradiction, in fractions of a step.
-fn each_follows<P: PortSet, W: Pend>(
+fn each_follows<P: PortSet, W: Wake>(
     main_loop: &MainLoop<'_, P, W>,
     scan: &Scan,
     slope: Option<Slope>,
@@ -314,7 +314,7 @@ fn each_follows<P: PortSet, W: Pend>(
 }
 
 /// Whether a printing move needs an alignment first.
-pub(in crate::machine) fn lacks_alignment<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>) -> bool {
+pub(in crate::machine) fn lacks_alignment<P: PortSet, W: Wake>(main_loop: &MainLoop<'_, P, W>) -> bool {
     if main_loop.trimming.is_aligned() {
         return false;
     }

@@ -7,12 +7,12 @@ use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::regroup::regroup;
 use crate::machine::ports::PortSet;
 use crate::machine::state::modal::FARTHEST;
-use crate::port::Pend;
+use crate::port::Wake;
 use crate::units::{Feed, Mm, Steps};
 use core::pin::pin;
 
 /// Lets a belt that can circulate do so a little after homing, so that it does not always bend at the same teeth.
-pub(in crate::machine) async fn advance_belt<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn advance_belt<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), Interrupt> {
     let belt = main_loop.settings.belt;
@@ -31,7 +31,7 @@ pub(in crate::machine) async fn advance_belt<P: PortSet, W: Pend>(
 }
 
 /// Moves the tool to x and y while the belt circulates up to `belt`.
-pub(in crate::machine) async fn run_round<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn run_round<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     to: [Mm; 2],
     belt: Mm,
@@ -56,7 +56,7 @@ pub(in crate::machine) async fn run_round<P: PortSet, W: Pend>(
 }
 
 /// The belt has reached its circulation or was stopped: z has its place again. Motion is at rest.
-pub(in crate::machine) async fn end_circulation<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn end_circulation<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), Interrupt> {
     if main_loop.motion.grouping() != Grouping::Circulation {

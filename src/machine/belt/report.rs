@@ -7,10 +7,10 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::phase::strain;
 use crate::machine::ports::PortSet;
-use crate::port::Pend;
+use crate::port::Wake;
 
 /// The belt's part of M122; nothing on a machine without motors that can pull against each other.
-pub(in crate::machine) async fn report_belt<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn report_belt<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), Interrupt> {
     let residuals = main_loop.settings.residuals();

@@ -11,7 +11,7 @@ use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::trim::trim;
 use crate::machine::ports::PortSet;
 use crate::motion::Target;
-use crate::port::{EndstopSet, Motor, MotorSet, Pend};
+use crate::port::{EndstopSet, Motor, MotorSet, Wake};
 use crate::settings::{HomedAxis, Range};
 use crate::units::{Mm, MmPerSec};
 
@@ -70,7 +70,7 @@ pub(super) const ARMS: [bool; 3] = [true, false, true];
 
 impl Scan {
     /// A scan of a residual, with the motor at its present place.
-    pub fn new<P: PortSet, W: Pend>(
+    pub fn new<P: PortSet, W: Wake>(
         main_loop: &MainLoop<'_, P, W>,
         number: usize,
         motor: Motor,
@@ -93,7 +93,7 @@ impl Scan {
 }
 
 /// Turns the trimmed motor to a place, counted from the start of the scan.
-pub(super) async fn go_to<P: PortSet, W: Pend>(
+pub(super) async fn go_to<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     scan: &mut Scan,
     place: i32,
@@ -105,7 +105,7 @@ pub(super) async fn go_to<P: PortSet, W: Pend>(
 
 /// Measures the load of the motors at a trim, and with an arm less and more: where it is missing. Each is measured on a
 /// stroke along x or y and back.
-pub(super) async fn measure<P: PortSet, W: Pend>(
+pub(super) async fn measure<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     scan: &mut Scan,
     middle: i32,
@@ -137,7 +137,7 @@ pub(super) async fn measure<P: PortSet, W: Pend>(
     Ok(())
 }
 
-async fn go_along<P: PortSet, W: Pend>(
+async fn go_along<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     scan: &Scan,
     by: Mm,

@@ -21,7 +21,7 @@ use crate::machine::ports::PortSet;
 use crate::machine::state::notices::Notices;
 use crate::machine::state::pulleys::{Shift, TURN, difference, shift_of, shows_a_tooth};
 use crate::machine::state::trimming::Trimming;
-use crate::port::{EndstopSet, Pend};
+use crate::port::{EndstopSet, Wake};
 use crate::units::Mm;
 use core::pin::pin;
 
@@ -32,7 +32,7 @@ const LIFT: Mm = Mm::const_from_int(5);
 const BELT_AXES: [bool; 3] = [true, true, false];
 
 /// M915: x and y are homed, their motors aligned, and x and y homed again.
-pub(in crate::machine) async fn align_belt<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn align_belt<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
 ) -> Result<Answer<'static>, Interrupt> {
@@ -46,7 +46,7 @@ pub(in crate::machine) async fn align_belt<P: PortSet, W: Pend>(
 }
 
 /// M915 D and R: finds what happened since the motors were aligned; with `repairs` it repairs that.
-pub(in crate::machine) async fn examine_belt<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn examine_belt<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
     repairs: bool,
@@ -148,7 +148,7 @@ impl Aside {
 
 /// The diagnosis from the switches and the residuals together. With `repairs`, motors that have skipped are left
 /// without strain; all others are as they were.
-async fn examine<P: PortSet, W: Pend>(
+async fn examine<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     residuals: &Residuals,
     before: &mut Trimming,
@@ -163,7 +163,7 @@ async fn examine<P: PortSet, W: Pend>(
     result
 }
 
-async fn examine_each<P: PortSet, W: Pend>(
+async fn examine_each<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     residuals: &Residuals,
     before: &mut Trimming,
@@ -206,7 +206,7 @@ async fn examine_each<P: PortSet, W: Pend>(
 }
 
 /// Nothing has changed, and that is measured: motors are not aligned by phases alone any more.
-fn note_measured<P: PortSet, W: Pend>(
+fn note_measured<P: PortSet, W: Wake>(
     main_loop: &MainLoop<'_, P, W>,
     before: &mut Trimming,
     number: usize,
@@ -219,7 +219,7 @@ fn note_measured<P: PortSet, W: Pend>(
 }
 
 /// Lifts z if its position is known, and returns the lift.
-async fn lift<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<Mm, Interrupt> {
+async fn lift<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>) -> Result<Mm, Interrupt> {
     main_loop.finish().await?;
     let [.., z] = main_loop.homed.axes();
     let position = main_loop.motion.end_mm();
@@ -233,12 +233,12 @@ async fn lift<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result
 }
 
 /// Undoes [`lift`].
-async fn lower<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, lift: Mm) -> Result<(), Interrupt> {
+async fn lower<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>, lift: Mm) -> Result<(), Interrupt> {
     shift_z(main_loop, -lift, main_loop.settings.axes.z.max_speed, EndstopSet::NONE).await
 }
 
 /// Moves the tool back to its earlier place, if the position is known: a paused print continues from there.
-async fn go_back<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, place: [Mm; 4]) -> Result<(), Interrupt> {
+async fn go_back<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>, place: [Mm; 4]) -> Result<(), Interrupt> {
     let ([x, y, ..], [is_x, is_y, _]) = (place, main_loop.homed.axes());
     if !(is_x && is_y) {
         return Ok(());

@@ -20,7 +20,7 @@ use crate::machine::main_loop::trim::{end_buzz, turn_alone};
 use crate::machine::ports::PortSet;
 use crate::machine::state::notices::Notices;
 use crate::motors::{Motor, MotorName, MotorSet};
-use crate::port::Pend;
+use crate::port::Wake;
 use crate::settings::Settings;
 use crate::units::{Mm, StepRate};
 
@@ -75,7 +75,7 @@ fn way(s: &Settings, residuals: &Residuals, motor: Motor) -> i32 {
 }
 
 /// STEPPER_BUZZ.
-pub(super) async fn buzz<P: PortSet, W: Pend>(
+pub(super) async fn buzz<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
     motor: MotorName,
@@ -113,7 +113,7 @@ pub(super) async fn buzz<P: PortSet, W: Pend>(
     Ok(Answer::Buzz(BuzzAnswer::Done { motor, steps, held, free }))
 }
 
-async fn go_to_and_fro<P: PortSet, W: Pend>(
+async fn go_to_and_fro<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     motor: Motor,
     steps: i32,

@@ -11,10 +11,10 @@ use crate::machine::main_loop::z_offset::z_reach;
 use crate::machine::ports::PortSet;
 use crate::machine::state::modal::FARTHEST;
 use crate::machine::state::soft_endstops::clamp;
-use crate::port::Pend;
+use crate::port::Wake;
 use core::pin::pin;
 
-impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
+impl<P: PortSet, W: Wake> Moves<'_, '_, P, W> {
     /// G0, G1 with C. The move begins and ends at rest.
     pub async fn circulate(
         &mut self,

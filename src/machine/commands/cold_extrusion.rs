@@ -3,7 +3,7 @@
 use crate::connectors::Heater;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
-use crate::port::Pend;
+use crate::port::Wake;
 use crate::units::Celsius;
 
 /// Whether filament may move at any temperature.
@@ -29,7 +29,7 @@ impl ColdExtrusion {
     }
 
     /// Whether filament must not move: the hotend is too cold, or its temperature is unknown.
-    pub fn is_too_cold<P: PortSet, W: Pend>(&self, main_loop: &MainLoop<'_, P, W>) -> bool {
+    pub fn is_too_cold<P: PortSet, W: Wake>(&self, main_loop: &MainLoop<'_, P, W>) -> bool {
         let thermal = &main_loop.settings.thermal;
         thermal.heater(Heater::Hotend).is_fitted
             && !self.is_allowed

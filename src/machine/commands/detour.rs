@@ -9,10 +9,10 @@ use crate::machine::ports::PortSet;
 use crate::machine::state::modal::Modal;
 use crate::machine::state::paused_stream::counting;
 use crate::machine::state::program::Dynamics;
-use crate::port::Pend;
+use crate::port::Wake;
 
 /// Modes, limits and counts are those of the paused stream again; nothing moves.
-fn leave_detour<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, modal: &mut Modal) {
+fn leave_detour<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>, modal: &mut Modal) {
     if let Some(program) = main_loop.stream.program().copied() {
         main_loop.commanded = counting(&main_loop.commanded, &program.commanded);
         put_modes(main_loop, modal, &program);
@@ -20,12 +20,12 @@ fn leave_detour<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, modal: 
 }
 
 /// Whether the line that is carried out may be one of the print's stream.
-pub(super) fn is_own<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>) -> bool {
+pub(super) fn is_own<P: PortSet, W: Wake>(main_loop: &MainLoop<'_, P, W>) -> bool {
     main_loop.job.is_of(main_loop.hosts.serving()) && main_loop.stream.may_hold(main_loop.hosts.window().0.is_some())
 }
 
 /// A line comes in a pause; one of the stream finds the state that the stream has left.
-pub(super) fn begin_line<P: PortSet, W: Pend>(
+pub(super) fn begin_line<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
     command: &Command<'_>,
@@ -38,7 +38,7 @@ pub(super) fn begin_line<P: PortSet, W: Pend>(
 }
 
 /// A line was carried out in a pause: the stream has come so far, or a detour ends.
-pub(super) fn end_line<P: PortSet, W: Pend>(
+pub(super) fn end_line<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
     command: &Command<'_>,

@@ -23,12 +23,12 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::kept_line::{Answered, Kept};
-use crate::port::Pend;
+use crate::port::Wake;
 use core::pin::pin;
 
 /// Resumes the print of a kept line, if possible. True: carry out the line now; false: it needs its `ok` alone; `None`:
 /// keep it for longer.
-pub(in crate::machine) async fn go_on_with<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn go_on_with<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
     kept: Kept,
@@ -38,7 +38,7 @@ pub(in crate::machine) async fn go_on_with<P: PortSet, W: Pend>(
 }
 
 /// Carries out a command, reports values out of range, and returns the answer to send before its `ok`.
-pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Pend>(
+pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
     command: &Command<'a>,
@@ -101,7 +101,7 @@ const fn is_about_bed(command: &Command<'_>) -> bool {
 }
 
 /// A name that is unknown may begin or end a print in other firmware.
-fn note_unknown<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, text: &[u8]) {
+fn note_unknown<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>, text: &[u8]) {
     let host = main_loop.hosts.serving();
     match starts_print(text) {
         Some(true) => main_loop.job.begin_by_unknown_name(host),

@@ -17,7 +17,7 @@ use crate::machine::ports::PortSet;
 use crate::machine::reports::driver_report::{report_driver_values, report_own_driver_values};
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::modal::Modal;
-use crate::port::{Motor, Pend};
+use crate::port::{Motor, Wake};
 use crate::settings::{DriverSettings, OwnDriver, Range, Settings, ranges};
 use crate::units::MmPerSec;
 
@@ -42,7 +42,7 @@ fn place(s: &Settings, axis: usize, driver: Option<Number>) -> Option<Place> {
 }
 
 /// M906, M913, M914, and M569. The named values are changed; without words all are reported.
-pub(in crate::machine) fn set_drivers<P: PortSet, W: Pend>(
+pub(in crate::machine) fn set_drivers<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     value: DriverValue,
     words: &AxisWords,
@@ -175,7 +175,7 @@ fn mode_words(stealth: bool, axes: AxisFlags) -> AxisWords {
 }
 
 /// M569. The motion rests first: a motor that changes its mode at speed may lose steps.
-pub(in crate::machine) async fn change_mode<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn change_mode<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
     stealth: Option<bool>,

@@ -8,7 +8,7 @@ use crate::machine::answers::says::Facts;
 use crate::machine::answers::speaker::Speaker;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
-use crate::port::Pend;
+use crate::port::Wake;
 use crate::settings::{Range, ThermalSettings, part_fans};
 use crate::units::Ratio;
 
@@ -21,7 +21,7 @@ const fn duty(speed: Ratio) -> u16 {
 }
 
 /// M106, M107. P is 0 without a word, and 255 for a number that no machine has.
-pub(super) fn order_fan<P: PortSet, W: Pend>(
+pub(super) fn order_fan<P: PortSet, W: Wake>(
     main_loop: &MainLoop<'_, P, W>,
     States { clamps, notices, .. }: &mut States,
     command: &OwnCommand<'_>,

@@ -20,7 +20,7 @@ use crate::machine::state::clamps::Clamps;
 use crate::machine::state::job::JobEnd;
 use crate::machine::state::notices::{Notice, Notices};
 use crate::machine::state::waiting::Waiting;
-use crate::port::{Pend, Storage};
+use crate::port::{Storage, Wake};
 use crate::settings::{Range, ThermalSettings};
 use crate::units::Celsius;
 use core::pin::pin;
@@ -33,7 +33,7 @@ const UNREAD_MS: u32 = 1000;
 pub(super) const LINE_MS: u32 = 1000;
 
 /// The answer to a command for a heater that is not fitted; `None` if it is.
-fn missing<P: PortSet, W: Pend>(
+fn missing<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
     heater: Heater,
@@ -60,7 +60,7 @@ fn missing<P: PortSet, W: Pend>(
 /// M104, M140, M141, and the first part of M109, M190, M191: true if there is a target. A target beyond the heater's
 /// range is refused: the old target stays.
 #[allow(clippy::result_large_err, reason = "the answer is what the caller returns, whichever it is")]
-fn set_target<P: PortSet, W: Pend>(
+fn set_target<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
     clamps: &mut Clamps,
@@ -94,7 +94,7 @@ fn set_target<P: PortSet, W: Pend>(
 }
 
 /// M104, M109 and those of bed and chamber. To set a target R is as good as S; with both it is S, as in Marlin.
-pub(super) fn order_heat<P: PortSet, W: Pend>(
+pub(super) fn order_heat<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     States { clamps, notices, .. }: &mut States,
     command: &OwnCommand<'_>,
@@ -119,7 +119,7 @@ pub(super) fn order_heat<P: PortSet, W: Pend>(
 }
 
 /// M116: waits for all that are on.
-pub(super) fn await_heaters<P: PortSet, W: Pend>(
+pub(super) fn await_heaters<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
 ) -> Answer<'static> {
@@ -132,7 +132,7 @@ pub(super) fn await_heaters<P: PortSet, W: Pend>(
 
 /// Waits for the first reading of heaters, for as long as a working sensor may take. A machine that was just switched
 /// on has none, and none is a number.
-pub(in crate::machine) async fn await_readings<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn await_readings<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     heaters: [bool; HEATERS],
 ) -> Result<(), Interrupt> {
@@ -148,13 +148,13 @@ pub(in crate::machine) async fn await_readings<P: PortSet, W: Pend>(
 }
 
 /// The job ends, because a heater that is waited for must not heat.
-fn note_no_heat<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, heater: Heater, why: Fault) {
+fn note_no_heat<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>, heater: Heater, why: Fault) {
     let is_read = main_loop.heat.measured()[heater as usize].is_some();
     main_loop.job.note_end(if is_read { JobEnd::Refused { why } } else { JobEnd::Unread { heater } });
 }
 
 /// Waits until heaters have reached their targets, or if `cools` is not set, have no need to warm up any more.
-pub(super) async fn await_heat<P: PortSet, W: Pend>(
+pub(super) async fn await_heat<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     heaters: [bool; HEATERS],
     cools: bool,
@@ -255,7 +255,7 @@ pub(super) async fn await_heat<P: PortSet, W: Pend>(
 
 /// Restores the heater targets from before a pause, or from before the heaters switched off in the print, and waits for
 /// them.
-pub(in crate::machine) async fn heat_again<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn heat_again<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), Interrupt> {
     let Some(targets) = main_loop.job.targets() else { return Ok(()) };

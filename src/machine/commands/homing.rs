@@ -30,7 +30,7 @@ use crate::machine::ports::PortSet;
 use crate::machine::probe::touch::{clear_of_bed, find_zero};
 use crate::machine::state::job::{HomingFailure, JobEnd};
 use crate::machine::state::notices::{Notice, Notices};
-use crate::port::{EndstopSet, Pend};
+use crate::port::{EndstopSet, Wake};
 use crate::settings::{Alignment, AxisEnd, HomedAxis};
 use crate::units::Mm;
 use core::pin::pin;
@@ -42,7 +42,7 @@ const fn meant(AxisFlags { x, y, z, .. }: AxisFlags) -> [bool; 3] {
 
 /// G28. If any axis fails, the job ends. Z rises by `raise` first, as far as it can: the nozzle may stand on a print.
 /// Without that word it rises as the settings say, and for the probe in any case.
-pub(in crate::machine) async fn home<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn home<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
     words: HomeWords,
@@ -69,7 +69,7 @@ pub(in crate::machine) async fn home<P: PortSet, W: Pend>(
 }
 
 /// Refuses axes that cannot be homed, before anything moves. Z is homed at a place only if X and Y are known then.
-fn refuse_in_vain<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, wanted: [bool; 3]) -> Result<(), Interrupt> {
+fn refuse_in_vain<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>, wanted: [bool; 3]) -> Result<(), Interrupt> {
     let by_probe = main_loop.settings.homes_z_by_probe();
     for axis in HomedAxis::ALL {
         if !wanted[axis as usize] {
@@ -99,7 +99,7 @@ fn refuse_in_vain<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, wante
 }
 
 /// How far z rises if no word says it: the hop of the settings, and the probe must clear the bed on its way.
-fn usual_raise<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, [.., is_meant]: [bool; 3]) -> Mm {
+fn usual_raise<P: PortSet, W: Wake>(main_loop: &MainLoop<'_, P, W>, [.., is_meant]: [bool; 3]) -> Mm {
     let probe = main_loop.first_layer.probe(&main_loop.settings);
     let hop = hop(main_loop);
     if !(is_meant && main_loop.settings.homes_z_by_probe()) {
@@ -111,14 +111,14 @@ fn usual_raise<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, [.., is_mean
 }
 
 /// How far z is below the height of the hop; all of it if the place of z is not known.
-fn hop<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>) -> Mm {
+fn hop<P: PortSet, W: Wake>(main_loop: &MainLoop<'_, P, W>) -> Mm {
     let hop = main_loop.settings.safe_z_home.z_hop;
     let ([.., is_known], [_, _, at, _]) = (main_loop.homed.axes(), main_loop.motion.end_mm());
     if is_known && hop > Mm::ZERO { hop.saturating_sub(at) } else { hop }
 }
 
 /// Raises z, as far as it can. If its place is not known, a switch at its upper end stops it.
-async fn raise_z<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, raise: Mm) -> Result<(), Interrupt> {
+async fn raise_z<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>, raise: Mm) -> Result<(), Interrupt> {
     let s = &*main_loop.settings;
     let ([.., is_known], [_, _, at, _]) = (main_loop.homed.axes(), main_loop.motion.end_mm());
     let reach = z_reach(main_loop);
@@ -132,7 +132,7 @@ async fn raise_z<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, raise:
 
 /// Homes these axes; with `aligns` the motors of a belt are aligned as soon as x and y are home, which are homed
 /// again then.
-pub(in crate::machine) async fn home_and_align<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn home_and_align<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
     wanted: [bool; 3],
@@ -143,7 +143,7 @@ pub(in crate::machine) async fn home_and_align<P: PortSet, W: Pend>(
 }
 
 /// Power first: without it, nothing is homed and the axes stay homed.
-async fn power_up<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
+async fn power_up<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
     main_loop.finish().await?;
     // Switches and the probe are met at real places.
     leave_surface(main_loop).await?;
@@ -152,7 +152,7 @@ async fn power_up<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Re
     Ok(())
 }
 
-async fn home_axes<P: PortSet, W: Pend>(
+async fn home_axes<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
     wanted: [bool; 3],
@@ -188,7 +188,7 @@ async fn home_axes<P: PortSet, W: Pend>(
 }
 
 /// Z is homed at its place, by the probe or by its switch. It does not go down where neither may be.
-async fn home_z_at_place<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
+async fn home_z_at_place<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
     if main_loop.homed.lacks_one_of([true, true, false]) {
         main_loop.job.note_end(JobEnd::NotHomed { axis: HomedAxis::Z, why: HomingFailure::NeedsOthers });
         return Err(Interrupt::EndJob);
@@ -205,13 +205,13 @@ async fn home_z_at_place<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>
 }
 
 /// Takes the nozzle over a place of z's homing. A switch may be beyond the end of its axis, and an axis stands there.
-async fn go_over<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, [x, y]: [Mm; 2]) -> Result<(), Interrupt> {
+async fn go_over<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>, [x, y]: [Mm; 2]) -> Result<(), Interrupt> {
     let [x, y] = [(HomedAxis::X, x), (HomedAxis::Y, y)].map(|(axis, at)| main_loop.settings.reach(axis).clamp(at));
     let ([.., z, e], speed) = (main_loop.motion.end_mm(), main_loop.settings.safe_z_home.speed);
     go_to(main_loop, [x, y, z, e], speed, EndstopSet::NONE).await
 }
 
-async fn home_z_by_probe<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
+async fn home_z_by_probe<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
     let z = HomedAxis::Z as usize;
     main_loop.homed.begin(z);
     let place = find_zero(main_loop).await;
@@ -229,7 +229,7 @@ async fn home_z_by_probe<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>
 
 /// X and y are home: the motors of their belt are aligned, both homed again, and that is proved. The result is
 /// reported.
-async fn align_at_home<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
+async fn align_at_home<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
     let aligned = align(main_loop).await;
     if let Err(BeltError::Interrupted(interrupt)) = aligned {
         return Err(interrupt);
@@ -257,7 +257,7 @@ async fn align_at_home<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) 
     }
 }
 
-async fn home_both<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
+async fn home_both<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
     home_named(main_loop, HomedAxis::X).await?;
     home_named(main_loop, HomedAxis::Y).await
 }

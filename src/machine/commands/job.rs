@@ -15,7 +15,7 @@ use crate::machine::probe::touch::end_touch;
 use crate::machine::state::job::JobEnd;
 use crate::machine::state::kept_line::Kept;
 use crate::machine::state::modal::Modal;
-use crate::port::Pend;
+use crate::port::Wake;
 use crate::protocol::Action;
 use crate::settings::OnFailure;
 use crate::text::Packed;
@@ -35,7 +35,7 @@ const STAYS_PAUSED: Packed = packed!("The print stays paused: home again (G28), 
 /// Hosts are asked to cancel, heaters go off, planned moves are made, and the machine is as before a print. A pause
 /// during which homing or probing fails stays a pause. A refused line ends a print alone: without one, nothing changes.
 /// But a line with a number is one of a file: hosts number these, and no line of a button.
-pub(in crate::machine) async fn end_job<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn end_job<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
     why: JobEnd,
@@ -86,7 +86,7 @@ pub(in crate::machine) async fn end_job<P: PortSet, W: Pend>(
 }
 
 /// Clears every state of a print that would change the next one: retraction, pause, modes, offsets, overrides.
-pub(in crate::machine) async fn clean_up<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn clean_up<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
 ) -> Result<(), Interrupt> {
@@ -100,7 +100,7 @@ pub(in crate::machine) async fn clean_up<P: PortSet, W: Pend>(
 }
 
 /// The print ends by its own line or by its host's: M84, M77. Paused, it was cancelled, and is cleaned up after.
-pub(in crate::machine) async fn end_by_line<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn end_by_line<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
 ) -> Result<(), Interrupt> {
@@ -116,7 +116,7 @@ pub(in crate::machine) async fn end_by_line<P: PortSet, W: Pend>(
 
 /// M110: another print begins, if it is of the host that has printed. The state left over from the print before is
 /// cleaned up.
-pub(in crate::machine) async fn begin_another<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn begin_another<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &mut Modal,
 ) -> Result<(), Interrupt> {
@@ -132,7 +132,7 @@ pub(in crate::machine) async fn begin_another<P: PortSet, W: Pend>(
 }
 
 /// The reply to a line of a print that was ended; `None` if the line is carried out all the same.
-pub(in crate::machine) fn refuse<P: PortSet, W: Pend>(
+pub(in crate::machine) fn refuse<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     command: &Command<'_>,
 ) -> Option<Answer<'static>> {

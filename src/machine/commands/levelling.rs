@@ -9,13 +9,13 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::surface::take_known_mesh;
 use crate::machine::ports::PortSet;
-use crate::port::Pend;
+use crate::port::Wake;
 use crate::settings::ranges;
 use crate::surface::{Heights, Mesh, MeshError, UNITS_PER_MM};
 use crate::units::Mm;
 
 /// The mesh as a report, if there is one.
-pub(super) fn report<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, form: MeshForm) -> Answer<'static> {
+pub(super) fn report<P: PortSet, W: Wake>(main_loop: &MainLoop<'_, P, W>, form: MeshForm) -> Answer<'static> {
     match main_loop.bed.mesh() {
         Some(_) => Answer::Mesh(MeshAnswer::Heights(form)),
         None => Answer::Mesh(MeshAnswer::None),
@@ -23,7 +23,7 @@ pub(super) fn report<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, form: 
 }
 
 /// Uses the mesh from now on, or not; motion rests before.
-pub(super) async fn use_mesh<P: PortSet, W: Pend>(
+pub(super) async fn use_mesh<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     on: bool,
 ) -> Result<(), Interrupt> {
@@ -33,7 +33,7 @@ pub(super) async fn use_mesh<P: PortSet, W: Pend>(
 }
 
 /// M420.
-pub(super) async fn level<P: PortSet, W: Pend>(
+pub(super) async fn level<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
     words: &LevellingWords,
@@ -88,7 +88,7 @@ fn centre(heights: &mut Heights) {
 }
 
 /// The mesh has other heights, and the fade of the settings.
-pub(super) fn change_heights<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, heights: &Heights) {
+pub(super) fn change_heights<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>, heights: &Heights) {
     let Some(known) = main_loop.bed.mesh() else { return };
     let (first, last) = (known.mesh.first(), known.mesh.last());
     let mesh = mesh_of(main_loop, heights, first, last);
@@ -97,7 +97,7 @@ pub(super) fn change_heights<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P
 
 /// A mesh with the fade of the settings; none if these heights make none. If the fade is too short for it, it does not
 /// fade, and the host gets to know.
-pub(super) fn mesh_of<P: PortSet, W: Pend>(
+pub(super) fn mesh_of<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     heights: &Heights,
     first: [Mm; 2],

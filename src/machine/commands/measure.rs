@@ -21,7 +21,7 @@ use crate::machine::probe::reach::{area_reach, has_probe, nozzle_for};
 use crate::machine::probe::touch::{AfterTouch, touch_bed};
 use crate::machine::state::level::Level;
 use crate::machine::state::modal::Modal;
-use crate::port::Pend;
+use crate::port::Wake;
 use crate::settings::{Range, Settings};
 use crate::storage::StoredMesh;
 use crate::surface::{Heights, MOST_POINTS};
@@ -35,7 +35,7 @@ const MARGIN: Mm = Mm::const_from_int(5);
 const LEAST_SIDE: Mm = Mm::const_from_int(10);
 
 /// G29.
-pub(super) async fn measure<P: PortSet, W: Pend>(
+pub(super) async fn measure<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
     words: &GridWords,
@@ -94,7 +94,7 @@ pub(super) async fn measure<P: PortSet, W: Pend>(
 }
 
 /// These heights are known of the bed now. False if they make no mesh.
-fn note_mesh<P: PortSet, W: Pend>(
+fn note_mesh<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     heights: &Heights,
     area: &Area,
@@ -180,7 +180,7 @@ fn wanted_area(whole: Area, modal: &Modal, words: &GridWords) -> Option<[Range<M
 }
 
 /// The heights of all points, relative to the reference. Rows go to and fro.
-async fn touch_grid<P: PortSet, W: Pend>(
+async fn touch_grid<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     area: &Area,
     words: &GridWords,

@@ -11,13 +11,13 @@ use crate::machine::ports::PortSet;
 use crate::machine::probe::area::Area;
 use crate::machine::state::modal::Modal;
 use crate::motion::Target;
-use crate::port::{EndstopSet, Pend};
+use crate::port::{EndstopSet, Wake};
 use crate::settings::{HomedAxis, Range, ranges};
 use crate::surface::{Heights, Mesh};
 use crate::units::Mm;
 
 /// The column and row of a point.
-fn point_of<P: PortSet, W: Pend>(
+fn point_of<P: PortSet, W: Wake>(
     main_loop: &MainLoop<'_, P, W>,
     modal: &Modal,
     mesh: &Mesh,
@@ -48,7 +48,7 @@ fn point_of<P: PortSet, W: Pend>(
 }
 
 /// M421.
-pub(super) async fn change_point<P: PortSet, W: Pend>(
+pub(super) async fn change_point<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
     words: &PointWords,
@@ -65,7 +65,7 @@ pub(super) async fn change_point<P: PortSet, W: Pend>(
 }
 
 /// The point has its height, or there is this answer.
-fn set_height<P: PortSet, W: Pend>(
+fn set_height<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     States { modal, clamps, .. }: &mut States,
     words: &PointWords,
@@ -97,7 +97,7 @@ fn set_height<P: PortSet, W: Pend>(
 }
 
 /// G42: the nozzle, or with P the probe, goes over a point; without I or J along the other axis alone.
-pub(super) async fn go_to_point<P: PortSet, W: Pend>(
+pub(super) async fn go_to_point<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
     numbers: [Option<Number>; 2],

@@ -5,11 +5,11 @@ use crate::machine::answers::answer::Answer;
 use crate::machine::answers::message::Message;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
-use crate::port::Pend;
+use crate::port::Wake;
 
 /// Sends a message to other hosts, and returns the reply to the sender. A serial line that does not exist stands for
 /// the sender's, as in Marlin (M118.cpp).
-pub(super) fn send_message<'a, P: PortSet, W: Pend>(
+pub(super) fn send_message<'a, P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     (form, to): (Form, Audience),
     text: &'a [u8],

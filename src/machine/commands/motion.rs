@@ -15,12 +15,12 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::modal::{FARTHEST, PERCENT};
-use crate::port::Pend;
+use crate::port::Wake;
 use crate::units::Mm;
 use core::pin::pin;
 
 /// Carries out a command of motion.
-pub(super) async fn carry_out<P: PortSet, W: Pend>(
+pub(super) async fn carry_out<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
     command: &MotionCommand,
@@ -80,7 +80,7 @@ fn say_feed(to: &mut Speaker<'_>, facts: &Facts<'_>) {
 }
 
 /// G92.
-fn set_position<P: PortSet, W: Pend>(
+fn set_position<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     States { modal, clamps, .. }: &mut States,
     words: &AxisWords,

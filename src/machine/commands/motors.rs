@@ -16,12 +16,12 @@ use crate::machine::belt::report::report_belt;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
-use crate::port::{Motor, MotorSet, Pend};
+use crate::port::{Motor, MotorSet, Wake};
 use crate::settings::{AxisEnd, HomedAxis};
 use core::pin::pin;
 
 /// Carries out a command about motors.
-pub(super) async fn carry_out<P: PortSet, W: Pend>(
+pub(super) async fn carry_out<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
     command: &MotorCommand,
@@ -52,7 +52,7 @@ pub(super) async fn carry_out<P: PortSet, W: Pend>(
 }
 
 /// M18, M84.
-async fn release<P: PortSet, W: Pend>(
+async fn release<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
     flags: AxisFlags,
@@ -76,7 +76,7 @@ async fn release<P: PortSet, W: Pend>(
 }
 
 /// The print stays paused. Z goes down to a bed that the print covers, unless its switch is above.
-fn tell_of_pause<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) {
+fn tell_of_pause<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>) {
     let s = &*main_loop.settings;
     let goes_down = s.homes_z_by_probe() || s.endstops.of(HomedAxis::Z).end == AxisEnd::Min;
     let is_risky = goes_down && main_loop.homed.lacks_one_of([false, false, true]);
@@ -96,7 +96,7 @@ pub(super) fn motors_of(groups: &Groups, flags: AxisFlags) -> MotorSet {
 }
 
 /// M122.
-pub(super) async fn diagnose<P: PortSet, W: Pend>(
+pub(super) async fn diagnose<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<Answer<'static>, Interrupt> {
     let fitted = main_loop.motion.groups().fitted();

@@ -25,7 +25,7 @@ use crate::machine::state::notices::Notice;
 use crate::machine::state::program::Program;
 use crate::machine::state::soft_endstops::clamp;
 use crate::motion::Target;
-use crate::port::{EndstopSet, Pend};
+use crate::port::{EndstopSet, Wake};
 use crate::settings::{Alignment, HomedAxis};
 use crate::text::Text;
 use crate::units::{Feed, Mm, part_of};
@@ -39,7 +39,7 @@ fn bounded(position: [Mm; 4]) -> [Mm; 4] {
 }
 
 /// A target of z so far below the top that real z is within the machine on the bed's surface, too.
-fn below_top<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, z: Mm, [_, _, from, _]: [Mm; 4]) -> Mm {
+fn below_top<P: PortSet, W: Wake>(main_loop: &MainLoop<'_, P, W>, z: Mm, [_, _, from, _]: [Mm; 4]) -> Mm {
     let (s, motion) = (&*main_loop.settings, &main_loop.motion);
     let ([.., is_homed], is_on_surface) = (main_loop.homed.axes(), motion.is_on_surface());
     let Some(mesh) = motion.mesh().filter(|_| is_on_surface && is_homed && s.soft_endstops) else { return z };
@@ -52,7 +52,7 @@ pub(super) fn moving([x, y, z, _]: [Mm; 4], [to_x, to_y, to_z, _]: [Mm; 4]) -> [
 }
 
 /// Borrowed context of a motion command: main loop, and states of commands.
-pub(in crate::machine) struct Moves<'c, 'm, P: PortSet, W: Pend> {
+pub(in crate::machine) struct Moves<'c, 'm, P: PortSet, W: Wake> {
     pub main_loop: &'c mut MainLoop<'m, P, W>,
     pub states: &'c mut States,
 }
@@ -96,7 +96,7 @@ fn goes_down([.., from, _]: [Mm; 4], [.., to, _]: [Mm; 4]) -> bool {
     to < from
 }
 
-impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
+impl<P: PortSet, W: Wake> Moves<'_, '_, P, W> {
     /// G0, G1. A line that is refused changes nothing, F included.
     pub async fn line(&mut self, to: &AxisWords, feed: Option<Number>) -> Result<Answer<'static>, Interrupt> {
         let mut wanted = self.wanted(to);

@@ -10,7 +10,7 @@ use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::z_offset::z_reach;
 use crate::machine::ports::PortSet;
 use crate::motion::Target;
-use crate::port::{EndstopSet, Pend};
+use crate::port::{EndstopSet, Wake};
 use crate::settings::HomedAxis;
 use crate::units::{Mm, MmPerSec};
 
@@ -40,7 +40,7 @@ impl Way {
 }
 
 /// One straight move in machine coordinates, independent of the program's state.
-async fn travel<P: PortSet, W: Pend>(
+async fn travel<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     position: [Mm; 4],
     speed: MmPerSec,
@@ -49,7 +49,7 @@ async fn travel<P: PortSet, W: Pend>(
 }
 
 /// Plans all of a way. With `parks` the tool counts as parked where it has come.
-async fn go_along<P: PortSet, W: Pend>(
+async fn go_along<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     way: &Way,
     parks: bool,
@@ -65,7 +65,7 @@ async fn go_along<P: PortSet, W: Pend>(
 
 /// Filament comes out or goes in, as by a line in the pause. The length is limited to one line's maximum; with a cold
 /// hotend it is zero.
-pub(super) async fn change<P: PortSet, W: Pend>(
+pub(super) async fn change<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &States,
     length: Mm,
@@ -88,7 +88,7 @@ pub(super) async fn change<P: PortSet, W: Pend>(
 }
 
 /// Filament back, up, and away.
-pub(super) async fn park<P: PortSet, W: Pend>(
+pub(super) async fn park<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &States,
     words: &ParkWords,
@@ -97,7 +97,7 @@ pub(super) async fn park<P: PortSet, W: Pend>(
     main_loop.finish().await
 }
 
-fn way_to_park<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, states: &States, words: &ParkWords) -> Way {
+fn way_to_park<P: PortSet, W: Wake>(main_loop: &MainLoop<'_, P, W>, states: &States, words: &ParkWords) -> Way {
     let (s, commanded, mut way) = (&main_loop.settings.pause, &main_loop.commanded, Way::new());
     let [.., z_now, e_now] = commanded.position();
     let [lifted, pulled] = commanded.retracted();
@@ -145,7 +145,7 @@ fn way_to_park<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, states: &Sta
 
 /// The tool moves from its present place to the commanded position: first above it, then down. Then the filament goes
 /// forward that the pause has pulled back. In a cold hotend it stays back, until a kept line that prints continues.
-pub(super) async fn go_back<P: PortSet, W: Pend>(
+pub(super) async fn go_back<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &States,
     from: [Mm; 4],
@@ -157,7 +157,7 @@ pub(super) async fn go_back<P: PortSet, W: Pend>(
 }
 
 /// The way to the commanded position, and the filament that stays back.
-fn way_back<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, states: &States, from: [Mm; 4]) -> (Way, Mm) {
+fn way_back<P: PortSet, W: Wake>(main_loop: &MainLoop<'_, P, W>, states: &States, from: [Mm; 4]) -> (Way, Mm) {
     let (s, commanded, mut way) = (&main_loop.settings.pause, &main_loop.commanded, Way::new());
     let z_speed = main_loop.settings.axes.z.max_speed;
     let ([x, y, z, e], [from_x, from_y, from_z, from_e]) = (commanded.of_print(commanded.position()), from);

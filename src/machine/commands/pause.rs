@@ -28,7 +28,7 @@ use crate::machine::state::job::{Break, any_of};
 use crate::machine::state::kept_line::{Answered, Kept};
 use crate::machine::state::modal::Modal;
 use crate::machine::state::program::{Dynamics, Program};
-use crate::port::Pend;
+use crate::port::Wake;
 use crate::protocol::Action;
 use crate::text::{Packed, Text};
 use crate::units::{Celsius, Instant, Mm, MmPerSec};
@@ -59,7 +59,7 @@ pub(in crate::machine) enum Going {
 }
 
 /// Says actions to all hosts.
-pub(in crate::machine) fn announce<P: PortSet, W: Pend>(
+pub(in crate::machine) fn announce<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     actions: &[Action<'static>],
 ) {
@@ -69,19 +69,19 @@ pub(in crate::machine) fn announce<P: PortSet, W: Pend>(
 }
 
 /// Says a line to all hosts. One that is not being served and has no room for it misses it.
-fn tell_all<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, line: Text<'_>) {
+fn tell_all<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>, line: Text<'_>) {
     main_loop.hosts.notify_others(format_args!("{line}"));
     main_loop.say(line);
 }
 
 /// Asks the user to continue.
-fn ask<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, first: Action<'static>, question: &'static str) {
+fn ask<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>, first: Action<'static>, question: &'static str) {
     let question = Action::PromptBegin(question);
     announce(main_loop, &[first, question, Action::PromptButton("Continue"), Action::PromptShow]);
 }
 
 /// M25, M125. The hosts are told first, so that they stop sending while the motion ends.
-pub(in crate::machine) async fn pause<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn pause<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &States,
     parks: bool,
@@ -97,7 +97,7 @@ pub(in crate::machine) async fn pause<P: PortSet, W: Pend>(
 }
 
 /// M0, M1, M600, M601: the line is kept until M108, M24, M602 or an answer comes, or for `ms`; 0 is for ever.
-pub(in crate::machine) async fn await_user<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn await_user<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &States,
     (ms, filament): (u32, bool),
@@ -133,7 +133,7 @@ const fn not_obeyed(code: &'static str, words: &ParkWords) -> Answer<'static> {
 
 /// A line that prints cannot be carried out for now: the host is asked to pause, and the line is kept. Nothing moves,
 /// because the nozzle may have frozen to the part, or its place is unknown.
-pub(in crate::machine) async fn hold<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn hold<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &Modal,
     why: Kept,
@@ -148,7 +148,7 @@ pub(in crate::machine) async fn hold<P: PortSet, W: Pend>(
 }
 
 /// Reports why a line is kept, and how to continue.
-fn report_reason<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, why: Kept, first: Action<'static>) {
+fn report_reason<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>, why: Kept, first: Action<'static>) {
     let (line, question) = match why {
         Kept::Lost(axes) if !main_loop.homed.lacks_one_of(axes) => {
             (packed!("echo:print held: its motors were off. M24 goes on with it, M524 ends it"), LOST)
@@ -164,7 +164,7 @@ fn report_reason<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, why: K
 }
 
 /// The job is paused, and the state of the program saved; `load` of filament is pushed in before it continues.
-fn save<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, modal: &Modal, load: Mm) {
+fn save<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>, modal: &Modal, load: Mm) {
     let program = Program {
         modal: *modal,
         commanded: main_loop.commanded,
@@ -183,7 +183,7 @@ fn save<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, modal: &Modal, 
 }
 
 /// The same, and the tool leaves the part if it printed, or if `parks` or a word of the line says so.
-async fn save_and_park<P: PortSet, W: Pend>(
+async fn save_and_park<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &States,
     parks: bool,
@@ -210,7 +210,7 @@ async fn save_and_park<P: PortSet, W: Pend>(
 
 /// Heaters get their targets back, and are waited for; the program is as it was, the tool goes back, and the print
 /// continues.
-async fn go_on<P: PortSet, W: Pend>(
+async fn go_on<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
     kept: Option<Kept>,
@@ -252,14 +252,14 @@ async fn go_on<P: PortSet, W: Pend>(
 }
 
 /// Modes and limits are those of the program.
-pub(super) fn put_modes<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, modal: &mut Modal, program: &Program) {
+pub(super) fn put_modes<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>, modal: &mut Modal, program: &Program) {
     *modal = modal.restored(&program.modal);
     main_loop.live_settings().set_dynamics(&program.dynamics);
 }
 
 /// Fans that were switched off during the pause, by a script or by the user, run as in the print. A fan speed set
 /// during the pause stays, as does a heater target that is hot enough to print.
-async fn blow_again<P: PortSet, W: Pend>(
+async fn blow_again<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     program: &Program,
 ) -> Result<(), Interrupt> {
@@ -272,7 +272,7 @@ async fn blow_again<P: PortSet, W: Pend>(
 }
 
 /// M24, M602. If it has ended the wait of a kept line, that wait reports it.
-pub(in crate::machine) async fn resume<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn resume<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
 ) -> Result<Answer<'static>, Interrupt> {
@@ -286,7 +286,7 @@ pub(in crate::machine) async fn resume<P: PortSet, W: Pend>(
 }
 
 /// The stream goes on without M24, from where it has come in the pause.
-pub(in crate::machine) async fn resume_stream<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn resume_stream<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
 ) -> Result<Going, Interrupt> {
@@ -303,7 +303,7 @@ pub(in crate::machine) async fn resume_stream<P: PortSet, W: Pend>(
 
 /// A line that is kept was answered by the user, by its time or by the end of its print. True if it is to be carried
 /// out now; false if it needs its `ok`; `None` if it stays kept.
-pub(in crate::machine) async fn end_keeping<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn end_keeping<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
     kept: Kept,

@@ -13,7 +13,7 @@ use crate::machine::probe::repeatability::Repeatability;
 use crate::machine::probe::touch::{AfterTouch, find_bed, set_out, touch_again, touch_bed};
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::modal::Modal;
-use crate::port::Pend;
+use crate::port::Wake;
 use crate::settings::{ProbeKind, Range};
 use crate::units::Mm;
 
@@ -35,7 +35,7 @@ const HALF_TURN: u16 = 1856;
 const SERVO: Range<u16> = Range { least: 0, most: SHORTEST + HALF_TURN };
 
 /// Carries out a command of the probe.
-pub(super) async fn carry_out<P: PortSet, W: Pend>(
+pub(super) async fn carry_out<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
     command: &ProbeCommand,
@@ -103,7 +103,7 @@ fn whole(clamps: &mut Clamps, letter: &'static str, number: Option<Number>, rang
 }
 
 /// M48: each touch counts by itself, unlike those of G30. So the deviation is that of the probe.
-async fn repeat<P: PortSet, W: Pend>(
+async fn repeat<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     at: [Mm; 2],
     touches: u16,
@@ -128,7 +128,7 @@ async fn repeat<P: PortSet, W: Pend>(
 }
 
 /// M280.
-fn order_servo<P: PortSet, W: Pend>(
+fn order_servo<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     clamps: &mut Clamps,
     servo: Option<Number>,
@@ -153,7 +153,7 @@ fn order_servo<P: PortSet, W: Pend>(
 }
 
 /// A place of the probe is the machine's, as in Marlin: M206 does not count in it, and the host gets to know.
-pub(super) fn tell_of_home_offsets<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) {
+pub(super) fn tell_of_home_offsets<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>) {
     let [x, y, _] = main_loop.settings.home_offsets();
     if [x, y] != [Mm::ZERO; 2] {
         main_loop.say(text!("echo:places of the probe are the machine's: M206 does not count in X and Y"));
@@ -178,7 +178,7 @@ impl From<NoPlace> for Answer<'static> {
 }
 
 /// The place of the probe that the words mean, by default its own, if it can touch there.
-fn place<P: PortSet, W: Pend>(
+fn place<P: PortSet, W: Wake>(
     main_loop: &MainLoop<'_, P, W>,
     modal: &Modal,
     words: [Option<Number>; 2],

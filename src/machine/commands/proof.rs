@@ -13,13 +13,13 @@ use crate::machine::belt::diagnosis::ways_aside;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
-use crate::port::Pend;
+use crate::port::Wake;
 use crate::settings::HomedAxis;
 
 /// Proves that motors which were just aligned are so, and x and y just homed where the steps say. Only then do they
 /// count as aligned; until the proof succeeds, alignment and position count as unknown. Returns the distance in steps
 /// of the switches from their expected positions.
-pub(super) async fn prove<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<[i32; 2], BeltError> {
+pub(super) async fn prove<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>) -> Result<[i32; 2], BeltError> {
     let homed = main_loop.homed;
     let (residuals, mechanism) = (main_loop.settings.residuals(), main_loop.motion.groups().mechanism());
     main_loop.homed.release(residuals.motors(), mechanism);
@@ -33,7 +33,7 @@ pub(super) async fn prove<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W
     result
 }
 
-async fn look_again<P: PortSet, W: Pend>(
+async fn look_again<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     residuals: &Residuals,
 ) -> Result<[i32; 2], BeltError> {
@@ -47,12 +47,12 @@ async fn look_again<P: PortSet, W: Pend>(
 }
 
 /// Meets the switches of x and y, and backs off. Returns their distance in steps from the expected positions.
-pub(super) async fn touch_both<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<[i32; 2], Interrupt> {
+pub(super) async fn touch_both<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>) -> Result<[i32; 2], Interrupt> {
     Ok([touch(main_loop, HomedAxis::X).await?, touch(main_loop, HomedAxis::Y).await?])
 }
 
 /// Whether a tool that is this many steps off is outside its tolerance.
-pub(super) fn is_anywhere_aside<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, aside: [i32; 2]) -> bool {
+pub(super) fn is_anywhere_aside<P: PortSet, W: Wake>(main_loop: &MainLoop<'_, P, W>, aside: [i32; 2]) -> bool {
     let full_step = i32::from(main_loop.settings.drivers.belt.microsteps);
     ways_aside(&main_loop.settings.mechanism, aside, full_step) != [0, 0]
 }

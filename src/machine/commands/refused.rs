@@ -5,10 +5,10 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::job::JobEnd;
-use crate::port::Pend;
+use crate::port::Wake;
 
 /// Why the job ends.
-pub(super) const fn end<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, command: RefusedCommand) -> Interrupt {
+pub(super) const fn end<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>, command: RefusedCommand) -> Interrupt {
     main_loop.job.note_end(match command {
         RefusedCommand::Conditional => JobEnd::Conditional,
     });

@@ -9,10 +9,10 @@ use crate::machine::answers::answer::Answer;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
-use crate::port::Pend;
+use crate::port::Wake;
 
 /// Carries out a command that reports.
-pub(super) async fn carry_out<'a, P: PortSet, W: Pend>(
+pub(super) async fn carry_out<'a, P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     command: &ReportCommand<'a>,
 ) -> Result<Answer<'a>, Interrupt> {

@@ -8,11 +8,11 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::resonance::test::{examine_sensor, test_resonances};
-use crate::port::Pend;
+use crate::port::Wake;
 use core::pin::pin;
 
 /// Carries out a command about resonances.
-pub(super) async fn carry_out<P: PortSet, W: Pend>(
+pub(super) async fn carry_out<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
     command: &ResonanceCommand,

@@ -6,7 +6,7 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::motion::Target;
-use crate::port::{EndstopSet, Pend};
+use crate::port::{EndstopSet, Wake};
 use crate::settings::Range;
 use crate::units::Mm;
 
@@ -15,13 +15,13 @@ pub(super) const RETRACTION: Range<Mm> = Range { least: Mm::ZERO, most: Mm::cons
 
 /// A retraction left over from one print does not apply to the next. In a pause it is part of what the print goes on
 /// with.
-pub(super) fn forget_retraction<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) {
+pub(super) fn forget_retraction<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>) {
     if !main_loop.job.is_paused() {
         main_loop.commanded.forget_retraction();
     }
 }
 
-impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
+impl<P: PortSet, W: Wake> Moves<'_, '_, P, W> {
     /// G10: away from the commanded position; G11: back to it.
     ///
     /// Not with a cold hotend: filament that was pulled back stays so until the hotend is hot.

@@ -23,7 +23,7 @@ use crate::machine::state::job::JobEnd;
 use crate::machine::state::level::LevelFailure;
 use crate::motion::{from_f32, to_f32};
 use crate::motors::Motor;
-use crate::port::Pend;
+use crate::port::Wake;
 use crate::settings::{HomedAxis, Range, Settings, WholePlace};
 use crate::units::{Mm, Ratio, Steps};
 use fixed::types::I32F32;
@@ -111,7 +111,7 @@ fn f32_to_mm(mm: f32) -> Mm {
 }
 
 /// G34.
-pub(super) async fn level_screws<P: PortSet, W: Pend>(
+pub(super) async fn level_screws<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     clamps: &mut Clamps,
     words: &LevelWords,
@@ -203,7 +203,7 @@ fn turns(s: &Settings, screws: &Screws, found: &Finding, share: f32) -> [i32; SC
 }
 
 /// Turns each motor alone. Until all have turned, the reference is not at its height: whoever stops them has to home z.
-async fn turn<P: PortSet, W: Pend>(
+async fn turn<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     screws: &Screws,
     turns: [i32; SCREWS],
@@ -228,7 +228,7 @@ const THREADS: [(i32, Mm); 3] =
 const THREAD: i32 = 30;
 
 /// G35.
-pub(super) async fn tell_hand_screws<P: PortSet, W: Pend>(
+pub(super) async fn tell_hand_screws<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     thread: Option<Number>,
 ) -> Result<Answer<'static>, Interrupt> {

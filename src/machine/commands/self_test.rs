@@ -7,10 +7,10 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::waiting::Waiting;
-use crate::port::{Pend, Storage};
+use crate::port::{Storage, Wake};
 
 /// SELF_TEST.
-pub(in crate::machine) async fn test_heaters<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn test_heaters<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<Answer<'static>, Interrupt> {
     main_loop.finish().await?;
@@ -23,7 +23,7 @@ pub(in crate::machine) async fn test_heaters<P: PortSet, W: Pend>(
 }
 
 /// Waits for the end of a self-test that is under way. M108, M410 and M524 end both; returns whether M108 has.
-pub(in crate::machine) async fn await_self_test<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn await_self_test<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<bool, Interrupt> {
     let done = follow_self_test(main_loop).await;
@@ -32,7 +32,7 @@ pub(in crate::machine) async fn await_self_test<P: PortSet, W: Pend>(
 }
 
 /// Tells the temperatures until its end, or M108.
-async fn follow_self_test<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
+async fn follow_self_test<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
     let mut next_line = main_loop.now();
     while main_loop.heat.is_testing() && !main_loop.pauses.is_over() {
         if main_loop.now() >= next_line {

@@ -11,7 +11,7 @@ use crate::machine::numbers::shortest;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::motion::advance_window;
-use crate::port::Pend;
+use crate::port::Wake;
 use crate::settings::{Advance, Settings, Shaper, ShaperKind, Shapers, ranges};
 use crate::text::Packed;
 use crate::units::{Hertz, Ratio};
@@ -108,7 +108,7 @@ fn wanted_advance(time: Option<Number>, window: Option<Number>, s: &Settings, cl
 }
 
 /// M593. Motion comes to rest before a shaper changes.
-pub(in crate::machine) async fn change_shapers<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn change_shapers<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     clamps: &mut Clamps,
     words: &ShaperWords,
@@ -133,7 +133,7 @@ fn say_advance(to: &mut Speaker<'_>, facts: &Facts<'_>) {
 }
 
 /// M900, M572.
-pub(in crate::machine) async fn change_advance<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn change_advance<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     clamps: &mut Clamps,
     time: Option<Number>,

@@ -5,11 +5,11 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::motion::Target;
-use crate::port::{EndstopSet, Pend};
+use crate::port::{EndstopSet, Wake};
 use crate::units::{Mm, MmPerSec};
 
 /// Moves z alone at a speed, and waits until it stands or a switch in `watch` is met.
-pub(super) async fn shift_z<P: PortSet, W: Pend>(
+pub(super) async fn shift_z<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     by: Mm,
     speed: MmPerSec,
@@ -25,7 +25,7 @@ pub(super) async fn shift_z<P: PortSet, W: Pend>(
 }
 
 /// Goes straight to a place, and waits until the tool stands or a switch in `watch` is met.
-pub(super) async fn go_to<P: PortSet, W: Pend>(
+pub(super) async fn go_to<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     position: [Mm; 4],
     speed: MmPerSec,

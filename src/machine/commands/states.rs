@@ -9,10 +9,10 @@ use crate::machine::state::machine_pieces::MachinePieces;
 use crate::machine::state::modal::Modal;
 use crate::machine::state::notices::Notices;
 use crate::machine::state::retraction::RetractionSettings;
-use crate::port::Pend;
+use crate::port::Wake;
 
 /// Reports the clamped values to the host, and forgets them.
-pub(super) fn tell_clamps<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, clamps: &mut Clamps) {
+pub(super) fn tell_clamps<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>, clamps: &mut Clamps) {
     let mut place = 0;
     while let Some(clamp) = clamps.get(place) {
         main_loop.say(text!("echo:{clamp}"));

@@ -7,7 +7,7 @@ use crate::machine::main_loop::shift_axis::shift_axis;
 use crate::machine::main_loop::z_offset::name_home;
 use crate::machine::ports::PortSet;
 use crate::machine::state::job::{HomingFailure, JobEnd};
-use crate::port::{EndstopSet, MotorSet, Pend};
+use crate::port::{EndstopSet, MotorSet, Wake};
 use crate::settings::{Endstop, HomedAxis, Homing, Range};
 use crate::units::{Mm, MmPerSec};
 
@@ -31,7 +31,7 @@ struct Axis {
 }
 
 /// Homes an axis. If that fails the job ends: hosts get the reason.
-pub(super) async fn home_named<P: PortSet, W: Pend>(
+pub(super) async fn home_named<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     axis: HomedAxis,
 ) -> Result<(), Interrupt> {
@@ -46,7 +46,7 @@ pub(super) async fn home_named<P: PortSet, W: Pend>(
 /// The axis stays where it is, and its place is not known: the job ends.
 #[cold]
 #[inline(never)]
-fn give_up<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, axis: &Axis, why: HomingFailure) -> Interrupt {
+fn give_up<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>, axis: &Axis, why: HomingFailure) -> Interrupt {
     main_loop.homed.stop();
     let mechanism = main_loop.motion.groups().mechanism();
     // A search in vain ends where the frame stops the axis.
@@ -63,7 +63,7 @@ fn give_up<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, axis: &Axis,
 
 /// Meets the switch of an axis once more, and backs off. Returns the distance in steps from the expected position: the
 /// tool is off by that much.
-pub(super) async fn touch<P: PortSet, W: Pend>(
+pub(super) async fn touch<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     axis: HomedAxis,
 ) -> Result<i32, Interrupt> {
@@ -79,7 +79,7 @@ pub(super) async fn touch<P: PortSet, W: Pend>(
 }
 
 /// Distance in steps of the switch that was just met from its expected position.
-fn steps_aside<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, axis: &Axis) -> i32 {
+fn steps_aside<P: PortSet, W: Wake>(main_loop: &MainLoop<'_, P, W>, axis: &Axis) -> i32 {
     let (places, met) = (main_loop.motion.to_steps([axis.place; 4]), main_loop.motion.real_steps());
     let aside = places.get(axis.index).zip(met.get(axis.index)).map(|(place, met)| place.wrapping_sub(*met));
     aside.unwrap_or_default().wrapping_round().to_num()
@@ -95,7 +95,7 @@ pub(super) const fn switch_of(axis: HomedAxis) -> EndstopSet {
 }
 
 /// The facts of an axis.
-fn facts<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, axis: HomedAxis) -> Axis {
+fn facts<P: PortSet, W: Wake>(main_loop: &MainLoop<'_, P, W>, axis: HomedAxis) -> Axis {
     let s = &*main_loop.settings;
     let switch = switch_of(axis);
     let (endstop, homing, reach) = (s.endstops.of(axis), s.homing.of(axis), s.reach(axis));
@@ -105,7 +105,7 @@ fn facts<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, axis: HomedAxis) -
     Axis { axis, index: axis as usize, switch, endstop, place, homing, reach }
 }
 
-async fn home_axis<P: PortSet, W: Pend>(
+async fn home_axis<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     axis: &Axis,
     was_homed: bool,
@@ -122,7 +122,7 @@ async fn home_axis<P: PortSet, W: Pend>(
 }
 
 /// Finds the switch fast within this way, backs off and finds it slowly. Returns the distance of its back-off.
-async fn find_switch<P: PortSet, W: Pend>(
+async fn find_switch<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     axis: &Axis,
     way: Mm,
@@ -150,7 +150,7 @@ async fn find_switch<P: PortSet, W: Pend>(
 }
 
 /// Moves towards the switch; true if it was met.
-async fn approach<P: PortSet, W: Pend>(
+async fn approach<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     axis: &Axis,
     distance: Mm,
@@ -169,7 +169,7 @@ async fn approach<P: PortSet, W: Pend>(
 /// axis that shares them with this one may lie between two of its own steps. It moves to a whole step, half a step
 /// away. Where motors have pulleys of different sizes the step of an axis is long, and no whole step puts all of them
 /// on whole steps.
-pub(super) async fn stand_at<P: PortSet, W: Pend>(
+pub(super) async fn stand_at<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     axis: usize,
     place: Mm,

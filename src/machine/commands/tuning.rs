@@ -11,7 +11,7 @@ use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::waiting::Waiting;
-use crate::port::{Pend, Storage};
+use crate::port::{Storage, Wake};
 use crate::settings::{HeaterSettings, Pid, Range, ranges};
 use crate::status::{Tuned, Tuning, TuningFailure};
 use crate::text::Packed;
@@ -26,7 +26,7 @@ const CYCLE_RANGE: Range<u16> = Range { least: 3, most: 20 };
 const LEAST_TARGET: Celsius = Celsius::const_from_int(40);
 
 /// M303.
-pub(in crate::machine) async fn tune<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn tune<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     clamps: &mut Clamps,
     words: &TuningWords,
@@ -99,7 +99,7 @@ const fn way_out(failure: Option<TuningFailure>) -> Packed {
 }
 
 /// Waits for the end of a tuning: why it failed, or nothing if M108 ended it.
-async fn await_tuning<P: PortSet, W: Pend>(
+async fn await_tuning<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     heater: Heater,
 ) -> Result<Result<Tuned, Option<TuningFailure>>, Interrupt> {

@@ -10,11 +10,11 @@ use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
-use crate::port::Pend;
+use crate::port::Wake;
 use core::pin::pin;
 
 /// Awaits the next step of a command, and returns its answer.
-pub(super) async fn take_step<P: PortSet, W: Pend>(
+pub(super) async fn take_step<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
     step: NextStep,
@@ -31,7 +31,7 @@ pub(super) async fn take_step<P: PortSet, W: Pend>(
 }
 
 /// G4: lets time pass in the motion itself; M108 ends it.
-pub(in crate::machine) async fn dwell<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn dwell<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     ms: u32,
 ) -> Result<(), Interrupt> {

@@ -11,7 +11,7 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::z_offset::{let_z_stand, shift_z, z_reach};
 use crate::machine::ports::PortSet;
-use crate::port::Pend;
+use crate::port::Wake;
 use crate::settings::{Range, Settings, ZStore, ranges};
 use crate::units::Mm;
 
@@ -33,7 +33,7 @@ fn may_be_kept(s: &Settings, store: ZStore, by: Mm) -> bool {
 }
 
 /// Why z may not stand aside by so much more, or the kept offset not change so.
-fn misfit<P: PortSet, W: Pend>(
+fn misfit<P: PortSet, W: Wake>(
     main_loop: &MainLoop<'_, P, W>,
     by: Mm,
     store: Option<ZStore>,
@@ -46,7 +46,7 @@ fn misfit<P: PortSet, W: Pend>(
     (!ranges::Z_OFFSET.holds(aside)).then_some(TOO_FAR_ASIDE)
 }
 
-impl<P: PortSet, W: Pend> Moves<'_, '_, P, W> {
+impl<P: PortSet, W: Wake> Moves<'_, '_, P, W> {
     /// M290 and SET_GCODE_OFFSET. They wait for nothing but power.
     pub async fn offset_z(&mut self, command: &MotionCommand) -> Result<Answer<'static>, Interrupt> {
         let shift = match *command {

@@ -16,7 +16,7 @@ use crate::machine::interrupt::Restart;
 use crate::machine::main_loop::{MainLoop, yield_once};
 use crate::machine::numbers::shortest;
 use crate::machine::ports::PortSet;
-use crate::port::{LINES, Pend};
+use crate::port::{LINES, Wake};
 use crate::protocol::{Activity, NoRoom, Replies};
 use crate::text::Packed;
 
@@ -79,7 +79,7 @@ fn answer_halted(asked: Asked, parse: fn(&[u8]) -> Command<'_>, text: &[u8]) -> 
 }
 
 /// After a stop, until M999. Lines are read by `parse`.
-pub(in crate::machine) async fn stay_halted<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn stay_halted<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     parse: fn(&[u8]) -> Command<'_>,
 ) -> Restart {
@@ -134,7 +134,7 @@ pub(in crate::machine) async fn stay_halted<P: PortSet, W: Pend>(
     Restart
 }
 
-impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
+impl<P: PortSet, W: Wake> MainLoop<'_, P, W> {
     /// Sends an answer to the host being served, as soon as there is room for it, or until M999.
     async fn reply_halted(&mut self, answer: Answer<'static>, are_new: &mut [bool; LINES]) {
         self.progress = Progress::default();

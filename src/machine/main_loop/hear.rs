@@ -10,11 +10,11 @@ use crate::machine::state::job::Job;
 use crate::machine::state::kept_line::{Answered, Kept};
 use crate::machine::state::pauses::Pauses;
 use crate::machine::state::waiting::Waiting;
-use crate::port::{Pend, Serial};
+use crate::port::{Serial, Wake};
 use crate::protocol::Activity;
 use crate::units::Instant;
 
-impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
+impl<P: PortSet, W: Wake> MainLoop<'_, P, W> {
     /// No motor has power, and hosts are listened to from now on.
     pub fn begin(&mut self) {
         self.power.begin();

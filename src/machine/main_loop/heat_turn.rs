@@ -4,12 +4,12 @@ use crate::connectors::Heater;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
-use crate::port::Pend;
+use crate::port::Wake;
 use crate::settings::Settings;
 use crate::status::SelfTest;
 use crate::units::Instant;
 
-impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
+impl<P: PortSet, W: Wake> MainLoop<'_, P, W> {
     /// The part of every turn that handles heat. A fault ends the motion here and now.
     pub(super) fn tend_heat(&mut self, now: Instant) -> Result<(), Interrupt> {
         let faults = self.status.fault();

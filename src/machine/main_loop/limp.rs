@@ -24,7 +24,7 @@ use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::z_offset::z_reach;
 use crate::machine::ports::PortSet;
 use crate::motion::Target;
-use crate::port::{EndstopSet, Motor, MotorSet, Pend};
+use crate::port::{EndstopSet, Motor, MotorSet, Wake};
 use crate::settings::{HomedAxis, Settings};
 use crate::units::{Mm, MmPerSec, MmPerSec2};
 use core::pin::pin;
@@ -45,7 +45,7 @@ const MOST_MS: u32 = 60_000;
 const RING_MS: u32 = 200;
 
 /// Parks the tool, if no other fault comes. Afterwards all power is to be cut.
-pub(in crate::machine) async fn limp<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) {
+pub(in crate::machine) async fn limp<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>) {
     main_loop.limping.go();
     let parked = apart(pin!(main_loop.park())).await;
     // In both cases nothing moves from here on.
@@ -56,7 +56,7 @@ pub(in crate::machine) async fn limp<P: PortSet, W: Pend>(main_loop: &mut MainLo
     main_loop.limping.end();
 }
 
-impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
+impl<P: PortSet, W: Wake> MainLoop<'_, P, W> {
     /// A driver has failed. Either its motor alone loses its power and the tool brakes for parking by the others, or
     /// the motion ends and all motors lose their power, at once.
     pub(super) fn meet_driver_fault(&mut self, fault: driver::Fault) {

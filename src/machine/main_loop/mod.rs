@@ -80,7 +80,7 @@ use crate::machine::state::position::Homed;
 use crate::machine::state::probing::Probing;
 use crate::machine::state::trimming::Trimming;
 use crate::motion::{Link, MoveMemory};
-use crate::port::{Accelerometer, Clock, DriverBus, Pend, Serial, Storage};
+use crate::port::{Accelerometer, Clock, DriverBus, Serial, Storage, Wake};
 use crate::protocol::Replies;
 use crate::settings::Settings;
 use crate::status::{Known, Status};
@@ -94,7 +94,7 @@ use core::task::Poll;
 /// In this order: an instruction reaches 4 KB from the begin, and two are shorter than what reaches farther. So the
 /// largest owners are the last.
 #[repr(C)]
-pub(in crate::machine) struct MainLoop<'m, P: PortSet, W: Pend> {
+pub(in crate::machine) struct MainLoop<'m, P: PortSet, W: Wake> {
     /// The atomics that all contexts share.
     pub status: &'m Status,
     /// The wait of the present command.
@@ -146,7 +146,7 @@ where
     K: Clock,
     T: Storage,
     A: Accelerometer,
-    W: Pend,
+    W: Wake,
 {
     /// The main loop of a machine with these groups of motors. If `start` is known, the machine stands there as if
     /// homed.
@@ -191,7 +191,7 @@ where
     }
 }
 
-impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
+impl<P: PortSet, W: Wake> MainLoop<'_, P, W> {
     /// There is more to do at once: the next turn is wanted before anything happens.
     pub const fn come_again(&mut self) {
         self.comes_again = true;
@@ -263,7 +263,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     }
 }
 
-impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
+impl<P: PortSet, W: Wake> MainLoop<'_, P, W> {
     /// The part of every turn that hands moves on.
     fn feed_motion(&mut self, now: Instant) {
         match self.motion.feed(&self.settings, now) {
@@ -278,7 +278,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
     }
 }
 
-impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
+impl<P: PortSet, W: Wake> MainLoop<'_, P, W> {
     /// Tells the other contexts what is known of the place of the tool.
     fn tell_known(&self) {
         let bed = self.probing.awaited();

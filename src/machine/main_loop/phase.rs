@@ -24,7 +24,7 @@ use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::pulleys::{Shift, TURN, difference, shift_of};
 use crate::machine::state::trimming::Found;
-use crate::port::{Motor, MotorSet, Pend};
+use crate::port::{Motor, MotorSet, Wake};
 use crate::settings::{Belt, PHASES, Settings};
 
 /// Places of a full step.
@@ -47,7 +47,7 @@ fn only_one(residual: &Residual, motors: MotorSet) -> Option<(Motor, i32)> {
 }
 
 /// The sum of a residual over the places in the sine tables; `None` if a driver does not answer.
-async fn phase_sum<P: PortSet, W: Pend>(
+async fn phase_sum<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     residual: &Residual,
 ) -> Result<Option<i32>, Interrupt> {
@@ -61,7 +61,7 @@ async fn phase_sum<P: PortSet, W: Pend>(
 }
 
 /// Error of this residual's strain in steps against a phase, or `None` if a driver does not answer.
-pub(in crate::machine) async fn strain<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn strain<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     phase: i32,
     residual: &Residual,
@@ -77,7 +77,7 @@ pub(in crate::machine) async fn strain<P: PortSet, W: Pend>(
 }
 
 /// Before a motor gets power that is the last one of its residual, brings its field to its rotor.
-pub(super) async fn meet_phases<P: PortSet, W: Pend>(
+pub(super) async fn meet_phases<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     residuals: &Residuals,
     next: MotorSet,
@@ -99,7 +99,7 @@ pub(super) async fn meet_phases<P: PortSet, W: Pend>(
 
 /// Trims a motor until the strain of a residual is as wanted. If its driver does not count steps, as may be so
 /// without power, trims it back. Returns the strain before and after.
-async fn unstrain<P: PortSet, W: Pend>(
+async fn unstrain<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     number: usize,
     residual: &Residual,
@@ -119,7 +119,7 @@ async fn unstrain<P: PortSet, W: Pend>(
 
 /// After motors have power: they are aligned if their phases are known, or the host gets a message that they are
 /// not.
-pub(super) async fn align_by_phases<P: PortSet, W: Pend>(
+pub(super) async fn align_by_phases<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     residuals: &Residuals,
 ) -> Result<(), Interrupt> {
@@ -143,7 +143,7 @@ pub(super) async fn align_by_phases<P: PortSet, W: Pend>(
 }
 
 /// Whether a residual is as it should be; it is trimmed once if it is not.
-async fn is_in_phase<P: PortSet, W: Pend>(
+async fn is_in_phase<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     number: usize,
     residual: &Residual,
@@ -157,7 +157,7 @@ async fn is_in_phase<P: PortSet, W: Pend>(
 }
 
 /// Notes the steps by which fields would strain a residual, or have strained it.
-fn note_strain<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, number: usize, steps: i32) {
+fn note_strain<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>, number: usize, steps: i32) {
     let (was, within) = (i64::from(steps) * 1000, WITHIN);
     let [was, within] = [was, within].map(|thousandths| main_loop.settings.belt_length(thousandths));
     let phase = main_loop.settings.known_phase(number).and_then(|phase| u16::try_from(phase).ok());
@@ -166,7 +166,7 @@ fn note_strain<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, number: 
 
 /// The phase of a residual while its motors strain nothing, given how far beside their place (in 256ths of a step) that
 /// is.
-pub(in crate::machine) async fn phase_at_apex<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn phase_at_apex<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     residual: &Residual,
     beside: i64,
@@ -179,7 +179,7 @@ pub(in crate::machine) async fn phase_at_apex<P: PortSet, W: Pend>(
 }
 
 /// The same, if the driver of the trimmed motor counts correctly.
-pub(in crate::machine) async fn find_phase<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn find_phase<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     residual: &Residual,
     beside: i64,
@@ -198,7 +198,7 @@ pub(in crate::machine) async fn find_phase<P: PortSet, W: Pend>(
 /// Keeps the proved findings, phases as the settings of the belt, and tells what the phases say of the pulleys. With
 /// `after_work`, as M915 is due after work on the belt, every phase is kept. Otherwise not one of a pulley that slips
 /// on its shaft: it may slip again.
-pub(in crate::machine) fn keep_findings<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, after_work: bool) {
+pub(in crate::machine) fn keep_findings<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>, after_work: bool) {
     let residuals = main_loop.settings.residuals();
     for (number, residual) in residuals.iter().enumerate().take(PHASES) {
         let Some(found) = main_loop.trimming.found(number) else { continue };
@@ -223,7 +223,7 @@ pub(in crate::machine) fn keep_findings<P: PortSet, W: Pend>(main_loop: &mut Mai
 
 /// A diagnosis has found that a pulley has moved on the belt or its shaft, and nothing has proved the new phase. So
 /// none is known, and motors are not aligned by the old one when they get power.
-pub(in crate::machine) fn drop_phase<P: PortSet, W: Pend>(
+pub(in crate::machine) fn drop_phase<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     number: usize,
     by: i32,

@@ -8,7 +8,7 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::motors::MOTORS;
-use crate::port::{Motor, MotorSet, Pend};
+use crate::port::{Motor, MotorSet, Wake};
 use crate::units::Instant;
 use core::pin::pin;
 
@@ -16,7 +16,7 @@ use core::pin::pin;
 /// proofs expire before the last ones arrive, the wire is too bad to print with.
 const MOST_PROOFS: usize = 6 * MOTORS;
 
-impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
+impl<P: PortSet, W: Wake> MainLoop<'_, P, W> {
     /// Gives power to motors: to all of them, or, if one driver is not as it should be, to none.
     ///
     /// A rotor that gets power goes to its nearest rest, up to two full steps away. Motors that can pull against each
@@ -170,7 +170,7 @@ impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
 }
 
 /// Says why this board has no machine, if it has none.
-fn refuse_without_machine<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
+fn refuse_without_machine<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
     let Some(why) = main_loop.power.refusal() else { return Ok(()) };
     main_loop.say(text!("Error:{why}; no motor got power"));
     Err(Interrupt::NoPower)

@@ -9,11 +9,11 @@ use crate::kinematics::Grouping;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::ports::PortSet;
 use crate::motors::Coupling;
-use crate::port::Pend;
+use crate::port::Wake;
 use crate::units::Steps;
 
 /// Regroups the motors at rest; the machine stands at `position` then.
-pub(in crate::machine) async fn regroup<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn regroup<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     grouping: Grouping,
     position: [Steps; 4],
@@ -23,7 +23,7 @@ pub(in crate::machine) async fn regroup<P: PortSet, W: Pend>(
 }
 
 /// The same with a given coupling.
-pub(super) async fn couple<P: PortSet, W: Pend>(
+pub(super) async fn couple<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     grouping: Grouping,
     coupling: &Coupling,

@@ -29,14 +29,14 @@ use crate::machine::reports::resonance_report::report_resonance;
 use crate::machine::reports::screw_report::report_screws;
 use crate::machine::reports::settings_report::{report_setting, report_settings};
 use crate::machine::reports::storage_report::report_storage;
-use crate::port::Pend;
+use crate::port::Wake;
 use crate::protocol::{Echo, Owed, Replies};
 use crate::settings::Settings;
 use crate::storage::is_present;
 use crate::text::Text;
 use crate::units::Instant;
 
-impl<'m, P: PortSet, W: Pend> MainLoop<'m, P, W> {
+impl<'m, P: PortSet, W: Wake> MainLoop<'m, P, W> {
     /// Sends an answer to the host being served, as soon as there is room for it.
     pub async fn reply(&mut self, answer: Answer<'_>) -> Result<(), Interrupt> {
         self.progress = Progress::default();

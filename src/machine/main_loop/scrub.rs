@@ -4,10 +4,10 @@
 use crate::fault::{Cause, Fault};
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
-use crate::port::Pend;
+use crate::port::Wake;
 use crate::units::Instant;
 
-impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
+impl<P: PortSet, W: Wake> MainLoop<'_, P, W> {
     /// Takes legal changes for right, and looks whether there were others.
     pub(super) fn scrub(&mut self, now: Instant) {
         if self.settings.is_scrub_due(now) && !(self.settings.is_whole() && self.motion.is_whole(&self.settings)) {
@@ -26,7 +26,7 @@ mod tests {
     use crate::machine::main_loop::MainLoop;
     use crate::machine::ports::Ports;
     use crate::motion::{Link, MoveMemory, MoveQueue, StepQueue};
-    use crate::port::{Clock, DriverBus, Lines, MotorSet, NoAccelerometer, NoStorage, Pend, Received, Serial};
+    use crate::port::{Clock, DriverBus, Lines, MotorSet, NoAccelerometer, NoStorage, Received, Serial, Wake};
     use crate::settings::{Kept, Settings};
     use crate::status::Status;
     use crate::thermal::OrderQueue;
@@ -62,14 +62,14 @@ mod tests {
     }
 
     #[derive(Clone, Copy)]
-    struct NullPend;
+    struct NoWake;
 
-    impl Pend for NullPend {
-        fn pend_generator(&self) {}
-        fn pend_stepper(&self) {}
+    impl Wake for NoWake {
+        fn wake_generator(&self) {}
+        fn wake_stepper(&self) {}
     }
 
-    type Machine<'m> = MainLoop<'m, Ports<Nothing, Nothing, Time<'m>, NoStorage, NoAccelerometer>, NullPend>;
+    type Machine<'m> = MainLoop<'m, Ports<Nothing, Nothing, Time<'m>, NoStorage, NoAccelerometer>, NoWake>;
 
     /// The results of a main loop with the groups of a mechanism within a second after each of the changes.
     fn find(mechanism: &Mechanism, changes: &[fn(&mut Machine<'_>)]) -> Option<(u32, Cause)> {
@@ -81,7 +81,7 @@ mod tests {
         let (moves_in, _moves) = moves.split();
         let (_events, events_out) = events.split();
         let (orders_in, _orders) = orders.split();
-        let link = Link::new(moves_in, &status, events_out.counts(&status), NullPend);
+        let link = Link::new(moves_in, &status, events_out.counts(&status), NoWake);
         let now = Cell::new(Instant::default());
         let serial: Lines<_> = [Nothing].into_iter().collect();
         let ports =

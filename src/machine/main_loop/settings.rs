@@ -17,7 +17,7 @@ use crate::kinematics::{Residuals, SCREWS};
 use crate::machine::numbers::to_thousandth;
 use crate::machine::ports::PortSet;
 use crate::machine::state::program::Dynamics;
-use crate::port::Pend;
+use crate::port::Wake;
 use crate::settings::{Advance, Belt, DriverGroups, Kept, Screw, Settings, ThermalSettings, ZStore, sum};
 use crate::units::{Instant, Mm};
 use core::ops::Deref;
@@ -187,7 +187,7 @@ impl LiveSettings<'_> {
     }
 }
 
-impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
+impl<P: PortSet, W: Wake> MainLoop<'_, P, W> {
     /// The settings that may change for the following moves.
     pub fn live_settings(&mut self) -> LiveSettings<'_> {
         self.motion.close_line(&self.settings);

@@ -4,13 +4,13 @@ use super::MainLoop;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::ports::PortSet;
 use crate::motion::Target;
-use crate::port::{EndstopSet, Pend};
+use crate::port::{EndstopSet, Wake};
 use crate::units::{Mm, MmPerSec, Steps};
 
 /// Moves one axis, and waits until it arrives or triggers the watched endstop. Where four coordinates hold three axes,
 /// the move takes them to whole steps, where all counts agree. From there an axis alone moves all its motors at once,
 /// and the counts agree wherever a switch ends the move.
-pub(in crate::machine) async fn shift_axis<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn shift_axis<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     axis: usize,
     by: Mm,

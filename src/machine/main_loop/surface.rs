@@ -14,17 +14,17 @@
 use super::MainLoop;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::ports::PortSet;
-use crate::port::Pend;
+use crate::port::Wake;
 use crate::surface::Mesh;
 
 /// Before the first turn: the bed has this mesh, and z is to follow it.
-pub(in crate::machine) fn lay_mesh<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, mesh: &Mesh) {
+pub(in crate::machine) fn lay_mesh<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>, mesh: &Mesh) {
     main_loop.motion.set_mesh(Some(mesh));
     main_loop.live_settings().set_mesh_on(true);
 }
 
 /// Takes the mesh that is known of the bed now, or none. The settings say whether z follows it.
-pub(in crate::machine) async fn take_known_mesh<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn take_known_mesh<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), Interrupt> {
     leave_surface(main_loop).await?;
@@ -33,14 +33,14 @@ pub(in crate::machine) async fn take_known_mesh<P: PortSet, W: Pend>(
 }
 
 /// Until the end of the command, positions are real ones.
-pub(in crate::machine) async fn leave_surface<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn leave_surface<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), Interrupt> {
     if main_loop.motion.is_on_surface() { stand_on_surface(main_loop, false).await } else { Ok(()) }
 }
 
 /// Z follows the mesh, or does not, as the settings say.
-pub(in crate::machine) async fn keep_to_surface<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn keep_to_surface<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), Interrupt> {
     let is_wanted = main_loop.settings.mesh.is_on && main_loop.motion.mesh().is_some();
@@ -48,7 +48,7 @@ pub(in crate::machine) async fn keep_to_surface<P: PortSet, W: Pend>(
 }
 
 #[inline(never)]
-async fn stand_on_surface<P: PortSet, W: Pend>(
+async fn stand_on_surface<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     is_on: bool,
 ) -> Result<(), Interrupt> {

@@ -4,11 +4,11 @@ use super::MainLoop;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::ports::PortSet;
 use crate::motion::{Sweep, Work};
-use crate::port::Pend;
+use crate::port::Wake;
 use crate::settings::{Shaper, ShaperKind, Shapers};
 
 /// Begins a sweep, at rest. When it is over, motion is dropped, which brings the shapers back.
-pub(in crate::machine) async fn sweep<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn sweep<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     sweep: Sweep,
 ) -> Result<(), Interrupt> {

@@ -7,11 +7,11 @@ use crate::machine::main_loop::surface::{leave_surface, take_known_mesh};
 use crate::machine::main_loop::z_offset::move_origins;
 use crate::machine::numbers::exact;
 use crate::machine::ports::PortSet;
-use crate::port::Pend;
+use crate::port::Wake;
 use crate::settings::{Advance, DriverGroups, Settings};
 use crate::units::Mm;
 
-impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
+impl<P: PortSet, W: Wake> MainLoop<'_, P, W> {
     /// Takes over another advance, for the following moves. Motion comes to rest only before its window changes, and
     /// before the generator first uses advance: from then on all axes are delayed ([`AdvanceInUse`]).
     ///

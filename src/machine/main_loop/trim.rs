@@ -8,7 +8,7 @@ use crate::kinematics::{Grouping, Residual};
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
-use crate::port::{Motor, Pend};
+use crate::port::{Motor, Wake};
 use crate::units::{MmPerSec, Steps};
 
 /// The motor of a residual that is turned against the others, and its part of the sum.
@@ -22,7 +22,7 @@ pub(in crate::machine) fn preload_of(residual: &Residual, preload: i32) -> i32 {
 }
 
 /// Turns one motor by `by` steps, and no other, when motion rests. All motors of the belt have power.
-pub(in crate::machine) async fn trim<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn trim<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     motor: Motor,
     by: i32,
@@ -32,7 +32,7 @@ pub(in crate::machine) async fn trim<P: PortSet, W: Pend>(
 }
 
 /// The same at a speed in mm/s of x. Whoever calls it decides which motors have power.
-pub(in crate::machine) async fn turn_alone<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn turn_alone<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     motor: Motor,
     by: i32,
@@ -42,7 +42,7 @@ pub(in crate::machine) async fn turn_alone<P: PortSet, W: Pend>(
 }
 
 /// Turns one motor of z alone, within the limits of z: z counts steps as if it had not.
-pub(in crate::machine) async fn turn_screw<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn turn_screw<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     motor: Motor,
     by: i32,
@@ -51,7 +51,7 @@ pub(in crate::machine) async fn turn_screw<P: PortSet, W: Pend>(
     turn_in(main_loop, Grouping::Screw, motor, by, speed).await
 }
 
-async fn turn_in<P: PortSet, W: Pend>(
+async fn turn_in<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     grouping: Grouping,
     motor: Motor,
@@ -81,7 +81,7 @@ async fn turn_in<P: PortSet, W: Pend>(
 }
 
 /// The motor has finished its turn, or was stopped: z has its place again. Motion rests.
-pub(in crate::machine) async fn end_trim<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn end_trim<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), Interrupt> {
     if !matches!(main_loop.motion.grouping(), Grouping::Trim | Grouping::Screw) {
@@ -95,7 +95,7 @@ pub(in crate::machine) async fn end_trim<P: PortSet, W: Pend>(
 }
 
 /// Takes the power from motors that had it for a buzz, without others of their belt. Motion rests.
-pub(in crate::machine) fn end_buzz<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) {
+pub(in crate::machine) fn end_buzz<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>) {
     let motors = main_loop.trimming.end_buzz();
     if !motors.is_empty() {
         main_loop.unpower(motors);

@@ -6,12 +6,12 @@ use crate::machine::main_loop::shift_axis::shift_axis;
 use crate::machine::main_loop::z_offset::z_reach;
 use crate::machine::ports::PortSet;
 use crate::motion::Target;
-use crate::port::{EndstopSet, Pend};
+use crate::port::{EndstopSet, Wake};
 use crate::settings::HomedAxis;
 use crate::units::{Mm, MmPerSec};
 
 /// Moves down by at most `way`; true if the probe has triggered, and then the tool stands where it did.
-pub(super) async fn approach<P: PortSet, W: Pend>(
+pub(super) async fn approach<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     way: Mm,
     speed: MmPerSec,
@@ -23,13 +23,13 @@ pub(super) async fn approach<P: PortSet, W: Pend>(
 }
 
 /// Distance up to `z`, as far as the axis goes; negative if the nozzle is higher already.
-pub(super) fn up_to<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>, z: Mm) -> Mm {
+pub(super) fn up_to<P: PortSet, W: Wake>(main_loop: &MainLoop<'_, P, W>, z: Mm) -> Mm {
     let [_, _, at, _] = main_loop.motion.end_mm();
     z.min(z_reach(main_loop).most).saturating_sub(at)
 }
 
 /// Raises the nozzle by a distance; it does not go down.
-pub(super) async fn raise_by<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, by: Mm) -> Result<(), Interrupt> {
+pub(super) async fn raise_by<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>, by: Mm) -> Result<(), Interrupt> {
     if by <= Mm::ZERO {
         return Ok(());
     }
@@ -38,7 +38,7 @@ pub(super) async fn raise_by<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P
 }
 
 /// Takes the nozzle over a place.
-pub(super) async fn travel<P: PortSet, W: Pend>(
+pub(super) async fn travel<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     [to_x, to_y]: [Mm; 2],
 ) -> Result<(), Interrupt> {

@@ -9,7 +9,7 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::job::ProbeFailure;
-use crate::port::{EndstopSet, Pend};
+use crate::port::{EndstopSet, Wake};
 use crate::settings::ProbeKind;
 
 /// An order to a BLTouch: the length of the pulses in us, and the ms until it is obeyed (Marlin, `bltouch.h`).
@@ -23,7 +23,7 @@ const RESET: Order = Order(2194, 500);
 const STOW_TRIES: usize = 3;
 
 /// Puts the probe out, if it is not. One without a servo is always out.
-pub(super) async fn put_out<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
+pub(super) async fn put_out<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
     let was_out = main_loop.probing.is_out();
     // Before the order: whatever ends it has the probe taken in.
     main_loop.probing.note_out(true);
@@ -38,7 +38,7 @@ pub(super) async fn put_out<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P,
 }
 
 /// Takes it in: it reads as not triggered then, or its pin may still be out.
-pub(super) async fn take_in<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
+pub(super) async fn take_in<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
     main_loop.probing.note_out(false);
     if !is_bltouch(main_loop) {
         return Ok(());
@@ -55,7 +55,7 @@ pub(super) async fn take_in<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P,
 
 /// Whether the probe, which has touched, is to be taken in: the pin of a BLTouch goes in by itself. Between touches it
 /// is told so too, unless that takes too long for the user.
-pub(super) fn goes_in_by_itself<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) -> bool {
+pub(super) fn goes_in_by_itself<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>) -> bool {
     let goes_in = is_bltouch(main_loop);
     if goes_in {
         main_loop.probing.note_out(false);
@@ -64,7 +64,7 @@ pub(super) fn goes_in_by_itself<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_
 }
 
 /// Has the probe go in, without waiting for it: a command that had put it out was ended.
-pub(super) fn take_in_at_once<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>) {
+pub(super) fn take_in_at_once<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>) {
     let is_out = main_loop.probing.is_out();
     main_loop.probing.note_out(false);
     main_loop.probing.note_series(false);
@@ -74,24 +74,24 @@ pub(super) fn take_in_at_once<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, 
 }
 
 /// Gives the servo an order.
-pub(in crate::machine) fn set_servo<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, micros: Option<u16>) {
+pub(in crate::machine) fn set_servo<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>, micros: Option<u16>) {
     main_loop.probing.note_servo(micros);
     main_loop.power.servo(micros);
 }
 
-fn is_bltouch<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>) -> bool {
+fn is_bltouch<P: PortSet, W: Wake>(main_loop: &MainLoop<'_, P, W>) -> bool {
     main_loop.settings.probe.kind == ProbeKind::BlTouch
 }
 
 /// Whether the probe reads as triggered now.
-pub(super) fn is_triggered<P: PortSet, W: Pend>(
+pub(super) fn is_triggered<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> impl Future<Output = Result<bool, Interrupt>> {
     is_triggered_after(main_loop, &[])
 }
 
 /// Gives orders. Whether the probe reads as triggered then.
-async fn is_triggered_after<P: PortSet, W: Pend>(
+async fn is_triggered_after<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     orders: &'static [Order],
 ) -> Result<bool, Interrupt> {

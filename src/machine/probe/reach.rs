@@ -3,12 +3,12 @@
 use crate::machine::answers::probe_answer::ProbeAnswer;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
-use crate::port::{EndstopSet, Pend};
+use crate::port::{EndstopSet, Wake};
 use crate::settings::{Range, Settings};
 use crate::units::Mm;
 
 /// Whether the machine has a probe, at an input of its board.
-pub(in crate::machine) fn has_probe<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>) -> bool {
+pub(in crate::machine) fn has_probe<P: PortSet, W: Wake>(main_loop: &MainLoop<'_, P, W>) -> bool {
     main_loop.settings.probe.is_fitted() && main_loop.status.inputs().has(EndstopSet::PROBE)
 }
 

@@ -20,7 +20,7 @@ use crate::machine::main_loop::surface::leave_surface;
 use crate::machine::main_loop::z_offset::z_reach;
 use crate::machine::ports::PortSet;
 use crate::machine::state::job::{JobEnd, ProbeFailure};
-use crate::port::Pend;
+use crate::port::Wake;
 use crate::settings::{HomedAxis, Probe};
 use crate::units::{Mm, MmPerSec, Seconds};
 use core::pin::pin;
@@ -62,7 +62,7 @@ enum Work {
 
 /// The height of the bed below the probe, which goes `at` a place first if there is one. All axes are homed. If it
 /// fails, the tool is raised, the probe taken in, and the job ends.
-pub(in crate::machine) fn touch_bed<P: PortSet, W: Pend>(
+pub(in crate::machine) fn touch_bed<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     at: Option<[Mm; 2]>,
     end: AfterTouch,
@@ -71,7 +71,7 @@ pub(in crate::machine) fn touch_bed<P: PortSet, W: Pend>(
 }
 
 /// Finds the bed at a place by the fast touch alone; the probe stays out.
-pub(in crate::machine) fn find_bed<P: PortSet, W: Pend>(
+pub(in crate::machine) fn find_bed<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     at: Option<[Mm; 2]>,
 ) -> impl Future<Output = Result<Mm, Interrupt>> {
@@ -79,14 +79,14 @@ pub(in crate::machine) fn find_bed<P: PortSet, W: Pend>(
 }
 
 /// The height by one slow touch where the bed was found; the probe stays out.
-pub(in crate::machine) fn touch_again<P: PortSet, W: Pend>(
+pub(in crate::machine) fn touch_again<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> impl Future<Output = Result<Mm, Interrupt>> {
     conclude(main_loop, Work::TouchAgain, None, AfterTouch::Out)
 }
 
 /// Puts the probe out by itself (M401), or takes it in (M402). The result says nothing.
-pub(in crate::machine) fn set_out<P: PortSet, W: Pend>(
+pub(in crate::machine) fn set_out<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     end: AfterTouch,
 ) -> impl Future<Output = Result<Mm, Interrupt>> {
@@ -95,7 +95,7 @@ pub(in crate::machine) fn set_out<P: PortSet, W: Pend>(
 
 /// Finds the bed where z is to be homed, and returns z of the nozzle as it is then. X and y are homed; z is not, so
 /// the tool may go down by all of z unless the place of the bed is known.
-pub(in crate::machine) async fn find_zero<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn find_zero<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<Mm, Interrupt> {
     let home = main_loop.settings.probe_home();
@@ -106,7 +106,7 @@ pub(in crate::machine) async fn find_zero<P: PortSet, W: Pend>(
 
 /// Ends a touch that something has interrupted: motion rests. The tool rises from the bed, not above the place where
 /// the touch began, and the probe is to go in. A second interrupt ends the rise.
-pub(in crate::machine) async fn end_touch<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn end_touch<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), Interrupt> {
     let mut risen = Ok(());
@@ -126,7 +126,7 @@ pub(in crate::machine) async fn end_touch<P: PortSet, W: Pend>(
 
 /// Does such work and ends it, with its result or for a reason. An interrupt leaves the tool and the probe to
 /// [`end_touch`].
-async fn conclude<P: PortSet, W: Pend>(
+async fn conclude<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     work: Work,
     at: Option<[Mm; 2]>,
@@ -150,7 +150,7 @@ async fn conclude<P: PortSet, W: Pend>(
 }
 
 /// A nozzle that has gone to the floor may have pressed the bed: z may have skipped steps.
-fn give_up<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, why: ProbeFailure) {
+fn give_up<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>, why: ProbeFailure) {
     use ProbeFailure::{NotFound, NotMet, NotWhereItWas};
     if let NotMet { .. } | NotWhereItWas { .. } | NotFound { .. } = why {
         let mechanism = main_loop.motion.groups().mechanism();
@@ -161,7 +161,7 @@ fn give_up<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, why: ProbeFa
 }
 
 /// Height of the nozzle (z) at which the probe is to trigger, as far as the place of the bed is known.
-fn expected<P: PortSet, W: Pend>(main_loop: &MainLoop<'_, P, W>) -> Option<Mm> {
+fn expected<P: PortSet, W: Wake>(main_loop: &MainLoop<'_, P, W>) -> Option<Mm> {
     let found = main_loop.homed.found_bed().map(|z| {
         let [.., z, _] = main_loop.motion.to_mm([z; 4]);
         z
@@ -177,7 +177,7 @@ fn height_of(probe: &Probe, z: Mm) -> Mm {
 
 /// Height of the nozzle (z) at which it clears the bed by so much, and so does the probe. `None` if the bed may be
 /// anywhere.
-pub(in crate::machine) fn clear_of_bed<P: PortSet, W: Pend>(
+pub(in crate::machine) fn clear_of_bed<P: PortSet, W: Wake>(
     main_loop: &MainLoop<'_, P, W>,
     clearance: Mm,
 ) -> Option<Mm> {
@@ -186,7 +186,7 @@ pub(in crate::machine) fn clear_of_bed<P: PortSet, W: Pend>(
 }
 
 /// Raises the tool, takes the probe over a place where it can touch, and touches the bed. The tool ends above it.
-async fn carry_out<P: PortSet, W: Pend>(
+async fn carry_out<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     work: Work,
     at: Option<[Mm; 2]>,
@@ -230,7 +230,7 @@ async fn carry_out<P: PortSet, W: Pend>(
 }
 
 /// Touches the bed fast below the tool. A touch far above a bed that is known is tried again.
-async fn find<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, probe: &Probe) -> Result<Mm, Interrupt> {
+async fn find<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>, probe: &Probe) -> Result<Mm, Interrupt> {
     let bed = expected(main_loop);
     let mut is_again = false;
     loop {
@@ -251,7 +251,7 @@ async fn find<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, probe: &P
 }
 
 /// The mean of the touches that count.
-async fn mean_of_touches<P: PortSet, W: Pend>(
+async fn mean_of_touches<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     probe: &Probe,
 ) -> Result<Mm, Interrupt> {
@@ -275,7 +275,7 @@ async fn mean_of_touches<P: PortSet, W: Pend>(
 
 /// Touches the bed once, and raises the tool. Returns z of the nozzle at the touch. It goes hardly below a bed that is
 /// known; else, by all of z and a little more.
-async fn touch_once<P: PortSet, W: Pend>(
+async fn touch_once<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     probe: &Probe,
     speed: MmPerSec,

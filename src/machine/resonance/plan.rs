@@ -7,7 +7,7 @@ use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::motion::Sweep;
-use crate::port::Pend;
+use crate::port::Wake;
 use crate::settings::{HomedAxis, Range, Settings};
 use crate::units::{Hertz, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, mul_div, part_of};
 
@@ -137,7 +137,7 @@ pub(super) struct Extremes {
 const A_TURN: usize = 64;
 
 /// Reckons how far a sweep goes.
-pub(super) async fn extremes<P: PortSet, W: Pend>(
+pub(super) async fn extremes<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     sweep: &Sweep,
 ) -> Result<Extremes, Interrupt> {
@@ -157,7 +157,7 @@ pub(super) async fn extremes<P: PortSet, W: Pend>(
 
 /// The answer if the machine cannot make a sweep from where the tool stands.
 #[inline(never)]
-pub(super) fn refusal<P: PortSet, W: Pend>(
+pub(super) fn refusal<P: PortSet, W: Wake>(
     main_loop: &MainLoop<'_, P, W>,
     axis: SweepAxis,
     all: &Extremes,

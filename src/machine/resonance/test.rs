@@ -19,7 +19,7 @@ use crate::machine::main_loop::sweep::sweep as start_sweep;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::motion::{Sweep, Target};
-use crate::port::{Accelerometer, EndstopSet, Pend};
+use crate::port::{Accelerometer, EndstopSet, Wake};
 use crate::settings::{Shaper, Shapers};
 use crate::units::{Hertz, Instant, Mm};
 use core::ops::RangeInclusive;
@@ -67,7 +67,7 @@ impl Session {
 }
 
 /// M955, and M956: so many samples of the resting tool.
-pub(in crate::machine) async fn examine_sensor<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn examine_sensor<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     samples: Option<u32>,
 ) -> Result<Answer<'static>, Interrupt> {
@@ -90,7 +90,7 @@ pub(in crate::machine) async fn examine_sensor<P: PortSet, W: Pend>(
     })
 }
 
-async fn hear_resting<P: PortSet, W: Pend>(
+async fn hear_resting<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     session: &mut Session,
     samples: Option<u32>,
@@ -103,7 +103,7 @@ async fn hear_resting<P: PortSet, W: Pend>(
 }
 
 /// TEST_RESONANCES.
-pub(in crate::machine) async fn test_resonances<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn test_resonances<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     clamps: &mut Clamps,
     words: &SweepWords,
@@ -195,7 +195,7 @@ const fn shaper_of(shapers: &Shapers, axis: SweepAxis) -> Option<Shaper> {
 }
 
 /// Sweeps the tool and listens; shaping is on again. Returns the answer if there is nothing to reckon with.
-async fn test<P: PortSet, W: Pend>(
+async fn test<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     words: &SweepWords,
     sweep: &Sweep,
@@ -230,7 +230,7 @@ async fn test<P: PortSet, W: Pend>(
 }
 
 /// Starts the sensor, if there is one, and hears its noise for a second.
-async fn hear_noise<P: PortSet, W: Pend>(
+async fn hear_noise<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     session: &mut Session,
     axis: SweepAxis,
@@ -245,7 +245,7 @@ async fn hear_noise<P: PortSet, W: Pend>(
 
 /// Takes samples as they come, until an end or a fault. If the host is told and takes them too slowly, the sensor's
 /// buffer overflows, which is a fault.
-async fn hear<P: PortSet, W: Pend>(
+async fn hear<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     session: &mut Session,
     until: Until,
@@ -286,7 +286,7 @@ async fn hear<P: PortSet, W: Pend>(
 }
 
 /// Brings the tool back to where it was.
-async fn go_back<P: PortSet, W: Pend>(main_loop: &mut MainLoop<'_, P, W>, place: [Mm; 4]) -> Result<(), Interrupt> {
+async fn go_back<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>, place: [Mm; 4]) -> Result<(), Interrupt> {
     let speed = main_loop.settings.axes.x.max_speed.min(main_loop.settings.axes.y.max_speed);
     main_loop
         .plan(Target { position: place, speed: speed.into(), has_overrides: false, watch: EndstopSet::NONE })

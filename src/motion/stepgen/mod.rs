@@ -51,7 +51,7 @@ use crate::motion::ticks::{NEAR, earlier};
 use crate::motion::trajectory::{AXES, Position, SpanMemory, Trajectory};
 use crate::motion::work::Entry;
 use crate::motors::MOST_GROUPS;
-use crate::port::{EndstopSet, GroupSet, Pend};
+use crate::port::{EndstopSet, GroupSet, Wake};
 use crate::status::Status;
 use crate::surface::Heights;
 use crate::units::SpeedSq;
@@ -195,7 +195,7 @@ impl<'m> StepGenerator<'m> {
     /// A crate takes its loops, from here to the steps of a group, into a function of its own. So the level at which
     /// that crate is optimised holds for them, whatever the level of this one.
     #[inline(always)]
-    pub fn run(&mut self, pend: &dyn Pend) -> bool {
+    pub fn run(&mut self, wake: &dyn Wake) -> bool {
         self.status.heat().beat_of_generator();
         self.scrub();
         let before = (self.moves.len(), self.status.entries_done());
@@ -207,10 +207,10 @@ impl<'m> StepGenerator<'m> {
             if self.dry_at.take() == Some(rested) {
                 self.status.count_starved();
             }
-            pend.pend_stepper();
+            wake.wake_stepper();
         }
         if is_more_to_do {
-            pend.pend_generator();
+            wake.wake_generator();
         }
         self.events.made() == made || (self.moves.len(), self.status.entries_done()) != before
     }

@@ -7,16 +7,16 @@ use crate::motion::planner::{Planner, Target};
 use crate::motion::trajectory::{ADVANCE, AXES, Tap};
 use crate::motion::work::{Entry, Work};
 use crate::motion::{MoveMemory, MoveQueue, SpanMemory, StepQueue};
-use crate::port::{EndstopSet, Pend};
+use crate::port::{EndstopSet, Wake};
 use crate::settings::Settings;
 use crate::status::Status;
 use crate::units::{Feed, Mm, StepsPerMm};
 
-struct NullPend;
+struct NoWake;
 
-impl Pend for NullPend {
-    fn pend_generator(&self) {}
-    fn pend_stepper(&self) {}
+impl Wake for NoWake {
+    fn wake_generator(&self) {}
+    fn wake_stepper(&self) {}
 }
 
 #[test]
@@ -28,7 +28,7 @@ fn f40_a_tap_that_changes_by_itself_is_found_before_the_count_of_calls_wraps() {
         let (mut spans, status) = (SpanMemory::new(), Status::new());
         let mut generator = StepGenerator::new(moves_out, steps_in, &mut spans, &status, &groupings);
         let call_for_each_axis = |generator: &mut StepGenerator<'_>| {
-            (0..AXES * usize::from(SCRUB)).for_each(|_| _ = generator.run(&NullPend));
+            (0..AXES * usize::from(SCRUB)).for_each(|_| _ = generator.run(&NoWake));
             status.fault().fault().map(|fault| fault.cause)
         };
         assert_eq!(call_for_each_axis(&mut generator), None);
@@ -53,13 +53,13 @@ fn the_console_is_told_what_it_may_wait_for_and_not_of_every_call() {
     let mut passed = 0u64;
     // One life after another: each begins with an entry that is taken, and ends with one that is done, and rest.
     for _ in 0..3 {
-        assert!(generator.run(&NullPend), "at rest there is nothing else to tell");
+        assert!(generator.run(&NoWake), "at rest there is nothing else to tell");
         let work = Work::Dwell(SubTicks::of_ticks(100 * u64::from(LONGEST_INTERVAL)));
         assert!(moves_in.enqueue(Entry { epoch: 0, work }).is_ok());
         let (mut is_done, mut told, mut calls) = (false, 0, 0);
         while !is_done {
             let before = (moves_in.len(), status.entries_done());
-            let is_told = generator.run(&NullPend);
+            let is_told = generator.run(&NoWake);
             let has_moved = (moves_in.len(), status.entries_done()) != before;
             assert!(is_told || !has_moved, "an entry was taken or is done");
             (told, calls) = (told + u32::from(is_told), calls + 1);
@@ -71,7 +71,7 @@ fn the_console_is_told_what_it_may_wait_for_and_not_of_every_call() {
             }
         }
         assert!(calls > 10 && 2 * told < calls + 6, "told {told} times in {calls} calls");
-        assert!(generator.run(&NullPend));
+        assert!(generator.run(&NoWake));
     }
 }
 

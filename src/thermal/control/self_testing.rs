@@ -5,11 +5,11 @@ use super::super::heater::HeaterLoop;
 use super::super::self_test::{End, SelfTest};
 use super::ThermalControl;
 use crate::connectors::Heater;
-use crate::port::{Pend, ThermalPort};
+use crate::port::{ThermalPort, Wake};
 use crate::status;
 use crate::units::Celsius;
 
-impl<H: ThermalPort, W: Pend> ThermalControl<'_, H, W> {
+impl<H: ThermalPort, W: Wake> ThermalControl<'_, H, W> {
     /// Begins one, unless a heater is warming or one is under way.
     pub(super) fn begin_self_test(&mut self) {
         if self.self_test.is_some() {

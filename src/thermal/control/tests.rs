@@ -7,11 +7,11 @@ use crate::port::NoHeaters;
 use std::boxed::Box;
 
 #[derive(Clone, Copy)]
-struct NullPend;
+struct NoWake;
 
-impl Pend for NullPend {
-    fn pend_generator(&self) {}
-    fn pend_stepper(&self) {}
+impl Wake for NoWake {
+    fn wake_generator(&self) {}
+    fn wake_stepper(&self) {}
 }
 
 #[test]
@@ -19,7 +19,7 @@ fn f40_settings_that_change_by_themselves_are_found_within_a_second() {
     let (queue, status) = (Box::leak(Box::new(OrderQueue::new())), Box::leak(Box::new(Status::new())));
     let (mut orders, orders_in) = queue.split();
     let status: &Status = status;
-    let mut control = ThermalControl::new(&ThermalSettings::prototype(), orders_in, status, NoHeaters, NullPend);
+    let mut control = ThermalControl::new(&ThermalSettings::prototype(), orders_in, status, NoHeaters, NoWake);
     let run = |control: &mut ThermalControl<'_, _, _>, periods: u32| {
         for _ in 0..periods {
             status.heat().beat_of_console();
@@ -44,7 +44,7 @@ fn f40_what_was_made_of_the_settings_is_found_within_a_second_too() {
         let (queue, status) = (Box::leak(Box::new(OrderQueue::new())), Box::leak(Box::new(Status::new())));
         let status: &Status = status;
         let settings = ThermalSettings::prototype();
-        let mut control = ThermalControl::new(&settings, queue.split().1, status, NoHeaters, NullPend);
+        let mut control = ThermalControl::new(&settings, queue.split().1, status, NoHeaters, NoWake);
         control.heaters[0].damage(place);
         for _ in 0..=SCRUB {
             status.heat().beat_of_console();

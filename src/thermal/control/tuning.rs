@@ -1,11 +1,11 @@
 //! Tuning among the other work of thermal control.
 
 use super::ThermalControl;
-use crate::port::{Pend, ThermalPort};
+use crate::port::{ThermalPort, Wake};
 use crate::status::Tuning;
 use crate::units::Celsius;
 
-impl<H: ThermalPort, W: Pend> ThermalControl<'_, H, W> {
+impl<H: ThermalPort, W: Wake> ThermalControl<'_, H, W> {
     /// Ends each tuning, and switches its heater off.
     pub(super) fn stop_tuning(&mut self) {
         for heater in self.heaters.iter_mut().filter_map(|heater| heater.tuning().is_some().then_some(heater)) {

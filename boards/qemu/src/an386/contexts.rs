@@ -8,7 +8,7 @@ use corehbot::app::Parts;
 use corehbot::kinematics::Groups;
 use corehbot::machine;
 use corehbot::motion::{self, StepCounts};
-use corehbot::port::{Coupling, DriverBus, MotorSet, NoAccelerometer, NoStorage, Pend};
+use corehbot::port::{Coupling, DriverBus, MotorSet, NoAccelerometer, NoStorage, Wake};
 use corehbot::thermal::{self, PERIOD_MS};
 use corehbot_cortex_m4::Handover;
 use corehbot_rig::heat::Heat;
@@ -25,11 +25,11 @@ use super::trace::{self, TracePort};
 
 type BoardPorts = machine::Ports<UartSerial, NoDrivers, BoardClock, NoStorage, NoAccelerometer>;
 /// The core with the ports of this board.
-pub type BoardParts = Parts<'static, TracePort, StepTimer, BoardPorts, Heat, BoardPend>;
-type Stepper = motion::Stepper<'static, TracePort, StepTimer, BoardPend>;
+pub type BoardParts = Parts<'static, TracePort, StepTimer, BoardPorts, Heat, BoardWake>;
+type Stepper = motion::Stepper<'static, TracePort, StepTimer, BoardWake>;
 type StepGenerator = motion::StepGenerator<'static>;
-type ThermalControl = thermal::ThermalControl<'static, Heat, BoardPend>;
-type Console = machine::Console<'static, BoardPorts, BoardPend>;
+type ThermalControl = thermal::ThermalControl<'static, Heat, BoardWake>;
+type Console = machine::Console<'static, BoardPorts, BoardWake>;
 
 static STEPPER: Handover<&'static mut Stepper> = Handover::new();
 static GENERATOR: Handover<&'static mut StepGenerator> = Handover::new();
@@ -83,7 +83,7 @@ pub extern "C" fn on_step_timer() {
 
 /// Interrupt of software: there is a move to turn into steps, or room for steps.
 pub extern "C" fn on_generator() {
-    if GENERATOR.with(|generator| generate(generator, &BoardPend)) {
+    if GENERATOR.with(|generator| generate(generator, &BoardWake)) {
         wake_console();
     }
 }
@@ -119,16 +119,16 @@ fn SysTick() {
     }
 }
 
-/// Pends the software interrupts.
+/// SimWake the software interrupts.
 #[derive(Clone, Copy)]
-pub struct BoardPend;
+pub struct BoardWake;
 
-impl Pend for BoardPend {
-    fn pend_generator(&self) {
+impl Wake for BoardWake {
+    fn wake_generator(&self) {
         NVIC::pend(Irq::Generator);
     }
 
-    fn pend_stepper(&self) {
+    fn wake_stepper(&self) {
         NVIC::pend(Irq::StepTimer);
     }
 }

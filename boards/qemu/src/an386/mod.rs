@@ -89,7 +89,7 @@ fn start_up() -> &'static Status {
     };
     // In this form the parts are built in their place; they are too large to be carried about.
     let parts = PARTS
-        .init_with(|| app::assemble(MEMORY.take(), settings, job.start, step_ports, heat, ports, contexts::BoardPend));
+        .init_with(|| app::assemble(MEMORY.take(), settings, job.start, step_ports, heat, ports, contexts::BoardWake));
     if let Some(mesh) = &job.mesh {
         parts.console.lay_mesh(mesh);
     }

@@ -7,12 +7,12 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::surface::take_known_mesh;
 use crate::machine::ports::PortSet;
-use crate::port::{Pend, StorageError};
+use crate::port::{StorageError, Wake};
 use crate::storage::{self, MeshRejected};
 
 /// Keeps the mesh if there is one that is not kept yet, or forgets the kept one if the present one was forgotten for
 /// good. Motion rests.
-pub(in crate::machine) async fn keep_mesh<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn keep_mesh<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<Option<MeshAnswer>, Interrupt> {
     if main_loop.bed.is_part() {
@@ -37,7 +37,7 @@ pub(in crate::machine) async fn keep_mesh<P: PortSet, W: Pend>(
 }
 
 /// Forgets the kept mesh. Motion rests.
-pub(in crate::machine) async fn forget_kept_mesh<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn forget_kept_mesh<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<MeshAnswer, Interrupt> {
     main_loop.finish().await?;
@@ -55,7 +55,7 @@ pub(in crate::machine) async fn forget_kept_mesh<P: PortSet, W: Pend>(
 
 /// Takes the kept mesh; or why there is none, and then the present one stays. What the settings say of its use comes
 /// into force.
-pub(in crate::machine) async fn take_kept_mesh<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn take_kept_mesh<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<Option<MeshAnswer>, Interrupt> {
     let settings = *main_loop.settings;
@@ -78,7 +78,7 @@ pub(in crate::machine) async fn take_kept_mesh<P: PortSet, W: Pend>(
 }
 
 /// The same; no news is worth a line if no mesh is to be used.
-pub(in crate::machine) async fn take_mesh_to_use<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn take_mesh_to_use<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<Answer<'static>, Interrupt> {
     let news = take_kept_mesh(main_loop).await?.filter(|_| main_loop.settings.mesh.is_on);

@@ -14,12 +14,12 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::machine_pieces::{MachinePieces, PIECE};
-use crate::port::Pend;
+use crate::port::Wake;
 use crate::settings::Settings;
 use crate::storage::{Receipt, machine_in, record_of};
 
 /// MACHINE_GET, MACHINE_PUT and MACHINE_STORE.
-pub(in crate::machine) async fn exchange_machine<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn exchange_machine<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     pieces: &mut MachinePieces,
     order: MachineRecord<'_>,
@@ -47,7 +47,7 @@ pub(in crate::machine) async fn exchange_machine<P: PortSet, W: Pend>(
 }
 
 /// Says the pieces of the machine's record, and gives its end.
-async fn report_pieces<P: PortSet, W: Pend>(
+async fn report_pieces<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     pieces: &mut MachinePieces,
 ) -> Result<MachineAnswer<'static>, Interrupt> {
@@ -62,7 +62,7 @@ async fn report_pieces<P: PortSet, W: Pend>(
 }
 
 /// The machine assembled from pieces, if it fits this board.
-fn machine_that_came<P: PortSet, W: Pend>(
+fn machine_that_came<P: PortSet, W: Wake>(
     main_loop: &MainLoop<'_, P, W>,
     pieces: &MachinePieces,
 ) -> Result<Settings, MachineRefusal> {
@@ -72,7 +72,7 @@ fn machine_that_came<P: PortSet, W: Pend>(
 }
 
 /// Stores a machine, and takes it over if it is put together as this one. Otherwise the next start does.
-async fn store_machine<P: PortSet, W: Pend>(
+async fn store_machine<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     pieces: &mut MachinePieces,
     machine: &Settings,

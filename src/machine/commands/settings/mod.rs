@@ -28,7 +28,7 @@ use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
-use crate::port::Pend;
+use crate::port::Wake;
 use core::pin::pin;
 use kept_mesh::{keep_mesh, take_mesh_to_use};
 use machine_record::exchange_machine;
@@ -37,7 +37,7 @@ use stored::{check_storage, load_settings, reset_settings, save_settings};
 use velocity_limit::set_velocity_limit;
 
 /// Carries out a command about settings.
-pub(super) async fn carry_out<'a, P: PortSet, W: Pend>(
+pub(super) async fn carry_out<'a, P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
     command: &SettingCommand<'a>,

@@ -12,13 +12,13 @@ use crate::machine::main_loop::z_offset::use_home_offsets;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::modal::Modal;
-use crate::port::Pend;
+use crate::port::Wake;
 use crate::settings::Settings;
 use crate::settings::plain::{Owner, condition};
 use crate::settings::rows::Value;
 
 /// All values of a line if each is legal, otherwise none; without values a report.
-pub(in crate::machine::commands) async fn set_plain<P: PortSet, W: Pend>(
+pub(in crate::machine::commands) async fn set_plain<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
     words: &PlainWords,

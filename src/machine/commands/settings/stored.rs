@@ -10,19 +10,19 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::machine_pieces::MachinePieces;
-use crate::port::{Pend, Storage, StorageError};
+use crate::port::{Storage, StorageError, Wake};
 use crate::settings::Settings;
 use crate::storage::{self, LONGEST, MeshFate, Receipt, SaveError, Survey};
 use crate::units::Mm;
 use core::pin::pin;
 
 /// The storage, with one turn of the main loop after every transfer, so that M112 acts while settings are being saved.
-pub(super) struct Paced<'c, 'm, P: PortSet, W: Pend> {
+pub(super) struct Paced<'c, 'm, P: PortSet, W: Wake> {
     main_loop: &'c mut MainLoop<'m, P, W>,
     interrupt: Option<Interrupt>,
 }
 
-impl<'c, 'm, P: PortSet, W: Pend> Paced<'c, 'm, P, W> {
+impl<'c, 'm, P: PortSet, W: Wake> Paced<'c, 'm, P, W> {
     pub(super) const fn new(main_loop: &'c mut MainLoop<'m, P, W>) -> Self {
         Self { main_loop, interrupt: None }
     }
@@ -49,7 +49,7 @@ impl<'c, 'm, P: PortSet, W: Pend> Paced<'c, 'm, P, W> {
     }
 }
 
-impl<P: PortSet, W: Pend> Storage for Paced<'_, '_, P, W> {
+impl<P: PortSet, W: Wake> Storage for Paced<'_, '_, P, W> {
     fn capacity(&self) -> u32 {
         self.main_loop.storage.capacity()
     }
@@ -74,7 +74,7 @@ impl<P: PortSet, W: Pend> Storage for Paced<'_, '_, P, W> {
 }
 
 /// Looks into the storage for settings of this mechanism.
-async fn survey<P: PortSet, W: Pend>(
+async fn survey<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     record: &mut [u8; LONGEST],
 ) -> Result<Result<Survey, StorageError>, Interrupt> {
@@ -87,7 +87,7 @@ async fn survey<P: PortSet, W: Pend>(
 
 /// Loads the stored settings, before the first `start`, and returns the news to send after it: a host listens only
 /// then. A machine without storage has no news, and on a board without a machine no stored settings count.
-pub(in crate::machine) async fn load_at_start<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn load_at_start<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
 ) -> Result<Answer<'static>, Interrupt> {
@@ -116,7 +116,7 @@ pub(in crate::machine) async fn load_at_start<P: PortSet, W: Pend>(
 }
 
 /// Notes the self-test that was passed, for starts to come.
-pub(in crate::machine) async fn note_self_test<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn note_self_test<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), Interrupt> {
     let Some(tested) = main_loop.heat.take_passed_test() else { return Ok(()) };
@@ -126,7 +126,7 @@ pub(in crate::machine) async fn note_self_test<P: PortSet, W: Pend>(
 }
 
 /// Notes the load that a mm of strain takes of belt motors, if it is another one than noted.
-pub(in crate::machine) async fn note_belt_loads<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn note_belt_loads<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<(), Interrupt> {
     let Some(loads) = main_loop.trimming.take_new_loads() else { return Ok(()) };
@@ -138,7 +138,7 @@ pub(in crate::machine) async fn note_belt_loads<P: PortSet, W: Pend>(
 
 /// M500. Another machine that waits for the next reset is not written over, and a board without a machine does not
 /// become one.
-pub(in crate::machine) async fn save_settings<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn save_settings<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     pieces: &mut MachinePieces,
 ) -> Result<StorageNews, Interrupt> {
@@ -154,7 +154,7 @@ pub(in crate::machine) async fn save_settings<P: PortSet, W: Pend>(
 
 /// Stores settings, in a place for a record. The machine is at rest: storage may be flash, and erasing flash stops the
 /// processor.
-pub(in crate::machine) async fn save<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn save<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     settings: &Settings,
     record: &mut [u8; LONGEST],
@@ -171,7 +171,7 @@ pub(in crate::machine) async fn save<P: PortSet, W: Pend>(
 }
 
 /// The kept mesh becomes one of the settings that are about to be stored, or its end is told.
-async fn take_mesh_along<P: PortSet, W: Pend>(
+async fn take_mesh_along<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     settings: &Settings,
     record: &mut [u8; LONGEST],
@@ -200,7 +200,7 @@ async fn take_mesh_along<P: PortSet, W: Pend>(
 
 /// M501. Storage without valid settings gives the defaults, storage that does not answer changes nothing; nor does a
 /// board without a machine.
-pub(in crate::machine) async fn load_settings<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn load_settings<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     pieces: &mut MachinePieces,
 ) -> Result<StorageNews, Interrupt> {
@@ -219,7 +219,7 @@ pub(in crate::machine) async fn load_settings<P: PortSet, W: Pend>(
 }
 
 /// M502.
-pub(in crate::machine) async fn reset_settings<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn reset_settings<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<StorageNews, Interrupt> {
     main_loop.finish().await?;
@@ -228,7 +228,7 @@ pub(in crate::machine) async fn reset_settings<P: PortSet, W: Pend>(
 }
 
 /// M504.
-pub(in crate::machine) async fn check_storage<P: PortSet, W: Pend>(
+pub(in crate::machine) async fn check_storage<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     pieces: &mut MachinePieces,
 ) -> Result<StorageNews, Interrupt> {

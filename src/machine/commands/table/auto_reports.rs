@@ -1,6 +1,6 @@
 //! M154, M155: position and temperatures every S seconds.
 
-use super::{Answer, MainLoop, OwnCommand, OwnEntry, Pend, PortSet, States};
+use super::{Answer, MainLoop, OwnCommand, OwnEntry, PortSet, States, Wake};
 use crate::gcode::{Grammar, Nature, Number};
 use crate::machine::hosts::schedule::{PERIOD_S, Report};
 use crate::machine::state::clamps::Clamps;
@@ -19,7 +19,7 @@ pub(super) const ENTRY: OwnEntry = OwnEntry::m("Reports and messages", &[154, 15
         ("M155 S", &["echo:line ignored: S needs a number"]),
     ]);
 
-pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
+pub(super) fn carry_out<'a, P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     States { clamps, .. }: &mut States,
     command: &OwnCommand<'a>,
@@ -29,7 +29,7 @@ pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
 }
 
 /// Without S nothing changes.
-pub(super) fn report_every<P: PortSet, W: Pend>(
+pub(super) fn report_every<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     clamps: &mut Clamps,
     report: Report,

@@ -9,7 +9,7 @@ use crate::machine::commands::states::States;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::numbers::shortest;
 use crate::machine::ports::PortSet;
-use crate::port::Pend;
+use crate::port::Wake;
 use crate::settings::{Range, ranges};
 use crate::units::Celsius;
 
@@ -25,7 +25,7 @@ pub(super) const ENTRY: OwnEntry = OwnEntry::m("Heat and fans", &[302])
     ]);
 
 /// Without a hotend nothing can be too cold. P0 forbids, any other P allows.
-pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
+pub(super) fn carry_out<'a, P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     States { cold, clamps, .. }: &mut States,
     command: &OwnCommand<'a>,

@@ -1,6 +1,6 @@
 //! M710: the fan of the controller.
 
-use super::{Answer, MainLoop, OwnCommand, OwnEntry, Pend, PortSet, States};
+use super::{Answer, MainLoop, OwnCommand, OwnEntry, PortSet, States, Wake};
 use crate::gcode::Grammar;
 use crate::machine::answers::setting::HeatSetting;
 use crate::machine::commands::fans::FULL;
@@ -19,7 +19,7 @@ pub(super) const ENTRY: OwnEntry = OwnEntry::m("Heat and fans", &[710])
         ("M710 D", &["echo:line ignored: D needs a number"]),
     ]);
 
-pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
+pub(super) fn carry_out<'a, P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     States { clamps, .. }: &mut States,
     command: &OwnCommand<'a>,

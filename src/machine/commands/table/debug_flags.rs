@@ -5,7 +5,7 @@ use crate::machine::answers::answer::Answer;
 use crate::machine::commands::states::States;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
-use crate::port::Pend;
+use crate::port::Wake;
 
 pub(super) const ENTRY: OwnEntry = OwnEntry::m("Jobs, pauses and waits", &[111])
     .said_on_connecting()
@@ -21,7 +21,7 @@ pub(super) const ENTRY: OwnEntry = OwnEntry::m("Jobs, pauses and waits", &[111])
 /// The bit for a dry run (Marlin, MARLIN_DEBUG_DRYRUN).
 const DRY_RUN: u32 = 8;
 
-pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
+pub(super) fn carry_out<'a, P: PortSet, W: Wake>(
     _: &mut MainLoop<'_, P, W>,
     States { modal, .. }: &mut States,
     command: &OwnCommand<'a>,

@@ -1,6 +1,6 @@
 //! M906: the run current of motors, in mA.
 
-use super::{Answer, MainLoop, OwnCommand, OwnEntry, Pend, PortSet, States};
+use super::{Answer, MainLoop, OwnCommand, OwnEntry, PortSet, States, Wake};
 use crate::gcode::{Grammar, Part};
 use crate::machine::answers::driver_value::DriverValue;
 use crate::machine::commands::drivers::set_drivers;
@@ -16,7 +16,7 @@ pub(super) const ENTRY: OwnEntry = OwnEntry::m("Motors and drivers", &[906])
         ("M906 T1 E700", &["echo:M906 ignored: there is no extruder 1"]),
     ]);
 
-pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
+pub(super) fn carry_out<'a, P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
     command: &OwnCommand<'a>,

@@ -1,6 +1,6 @@
 //! M106: the speed of a fan, in its turn among the moves.
 
-use super::{Answer, MainLoop, OwnCommand, OwnEntry, Pend, PortSet, States};
+use super::{Answer, MainLoop, OwnCommand, OwnEntry, PortSet, States, Wake};
 use crate::gcode::{Grammar, Number, Part};
 use crate::machine::commands::fans::order_fan;
 
@@ -22,7 +22,7 @@ pub(super) const ENTRY: OwnEntry = OwnEntry::m("Heat and fans", &[106])
 /// Without S it is full speed.
 const FULL_SPEED: i32 = 255;
 
-pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
+pub(super) fn carry_out<'a, P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
     command: &OwnCommand<'a>,

@@ -1,7 +1,7 @@
 //! M123: how fast fans turn, at once or every S seconds.
 
 use super::auto_reports::report_every;
-use super::{Answer, MainLoop, OwnCommand, OwnEntry, Pend, PortSet, States};
+use super::{Answer, MainLoop, OwnCommand, OwnEntry, PortSet, States, Wake};
 use crate::gcode::{Grammar, Nature};
 use crate::machine::answers::says::Facts;
 use crate::machine::answers::speaker::Speaker;
@@ -19,7 +19,7 @@ pub(super) const ENTRY: OwnEntry = OwnEntry::m("Reports and messages", &[123])
         ("M123 S61", &["echo:M123 S61 is out of range, set to 60"]),
     ]);
 
-pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
+pub(super) fn carry_out<'a, P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     States { clamps, .. }: &mut States,
     command: &OwnCommand<'a>,

@@ -1,6 +1,6 @@
 //! M400: waits until the motion has ended.
 
-use super::{Answer, MainLoop, OwnCommand, OwnEntry, Pend, PortSet, States};
+use super::{Answer, MainLoop, OwnCommand, OwnEntry, PortSet, States, Wake};
 use crate::gcode::{Grammar, Nature};
 use crate::machine::answers::next_step::NextStep;
 
@@ -10,7 +10,7 @@ pub(super) const ENTRY: OwnEntry = OwnEntry::m("Motion", &[400])
     .does("", "waits until the motion has ended")
     .examples(&[("M400", &[]), ("M400 U1", &[])]);
 
-pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
+pub(super) fn carry_out<'a, P: PortSet, W: Wake>(
     _: &mut MainLoop<'_, P, W>,
     _: &mut States,
     _: &OwnCommand<'a>,

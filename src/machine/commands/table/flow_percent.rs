@@ -6,7 +6,7 @@ use crate::machine::commands::states::States;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::modal::PERCENT;
-use crate::port::Pend;
+use crate::port::Wake;
 
 pub(super) const ENTRY: OwnEntry = OwnEntry::m("Motion", &[221])
     .nature(Nature::Mode)
@@ -23,7 +23,7 @@ pub(super) const ENTRY: OwnEntry = OwnEntry::m("Motion", &[221])
         ("M221 T0:1 S95", &[]),
     ]);
 
-pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
+pub(super) fn carry_out<'a, P: PortSet, W: Wake>(
     _: &mut MainLoop<'_, P, W>,
     States { modal, clamps, .. }: &mut States,
     command: &OwnCommand<'a>,

@@ -4,7 +4,7 @@
 //! (`settings::rules`), and M306 with a number selects the model again. M503 says the one in use last
 //! (`reports::heat_settings_report`).
 
-use super::{Answer, MainLoop, OwnCommand, OwnEntry, Pend, PortSet, States};
+use super::{Answer, MainLoop, OwnCommand, OwnEntry, PortSet, States, Wake};
 use crate::gcode::{Grammar, Nature, TuningWords};
 use crate::machine::answers::next_step::NextStep;
 use crate::machine::answers::setting::HeatSetting;
@@ -32,7 +32,7 @@ const FASTEST: Ratio = Ratio::const_from_int(10);
 
 /// F is the whole loss with the part fan at full speed, as in Marlin. The legal range depends on the kind of heater and
 /// on its power, which the same line may set. Without E it is the hotend's, and says so.
-pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
+pub(super) fn carry_out<'a, P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     States { clamps, .. }: &mut States,
     command: &OwnCommand<'a>,

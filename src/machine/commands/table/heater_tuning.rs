@@ -1,6 +1,6 @@
 //! M303: finds out how a heater behaves.
 
-use super::{Answer, MainLoop, OwnCommand, OwnEntry, Pend, PortSet, States};
+use super::{Answer, MainLoop, OwnCommand, OwnEntry, PortSet, States, Wake};
 use crate::gcode::{Grammar, Nature, Number, Part, TuningWords};
 use crate::machine::answers::next_step::NextStep;
 use crate::machine::commands::heater_settings::heater_of;
@@ -12,7 +12,7 @@ pub(super) const ENTRY: OwnEntry = OwnEntry::m("Heat and fans", &[303])
     .examples(&[("M303 E0 S200", &["echo:no heaters configured, ignored"])]);
 
 /// U alone is U1.
-pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
+pub(super) fn carry_out<'a, P: PortSet, W: Wake>(
     _: &mut MainLoop<'_, P, W>,
     _: &mut States,
     command: &OwnCommand<'a>,

@@ -1,7 +1,7 @@
 //! M428: home offsets by which the program counts from now on as if each axis stood at its switch, or at 0 if a switch
 //! at the upper end is too far away (Marlin). Nothing moves.
 
-use super::{Answer, MainLoop, OwnCommand, OwnEntry, Pend, PortSet, States};
+use super::{Answer, MainLoop, OwnCommand, OwnEntry, PortSet, States, Wake};
 use crate::gcode::{Grammar, Nature};
 use crate::machine::main_loop::z_offset::use_home_offsets;
 use crate::settings::{AxisEnd, HomedAxis, Range};
@@ -16,7 +16,7 @@ pub(super) const ENTRY: OwnEntry = OwnEntry::m("Offsets", &[428])
 /// How far it reaches (Marlin, M428.cpp).
 const NEAR: Range<Mm> = Range { least: Mm::const_from_int(-20), most: Mm::const_from_int(20) };
 
-pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
+pub(super) fn carry_out<'a, P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     _: &mut States,
     _: &OwnCommand<'a>,

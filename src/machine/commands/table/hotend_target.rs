@@ -1,6 +1,6 @@
 //! M104, M109: the target of the hotend; M109 waits for it.
 
-use super::{Answer, MainLoop, OwnCommand, OwnEntry, Pend, PortSet, States};
+use super::{Answer, MainLoop, OwnCommand, OwnEntry, PortSet, States, Wake};
 use crate::connectors::Heater;
 use crate::gcode::{Grammar, Nature, Part};
 use crate::machine::commands::heating::order_heat;
@@ -15,7 +15,7 @@ pub(super) const ENTRY: OwnEntry = OwnEntry::m("Heat and fans", &[104, 109])
         ("M109 S200", &["echo:no heaters configured"]),
     ]);
 
-pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
+pub(super) fn carry_out<'a, P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
     command: &OwnCommand<'a>,

@@ -1,6 +1,6 @@
 //! M913: the speed above which spreadCycle replaces stealthChop.
 
-use super::{Answer, MainLoop, OwnCommand, OwnEntry, Pend, PortSet, States};
+use super::{Answer, MainLoop, OwnCommand, OwnEntry, PortSet, States, Wake};
 use crate::gcode::{Grammar, Part};
 use crate::machine::answers::driver_value::DriverValue;
 use crate::machine::commands::drivers::set_drivers;
@@ -14,7 +14,7 @@ pub(super) const ENTRY: OwnEntry = OwnEntry::m("Motors and drivers", &[913])
         ("M913 X0 W100", &[]),
     ]);
 
-pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
+pub(super) fn carry_out<'a, P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
     command: &OwnCommand<'a>,

@@ -45,7 +45,7 @@ use crate::gcode::{self, Command, Example, Line, OwnCommand, OwnEntry, OwnRow, p
 use crate::machine::answers::answer::Answer;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
-use crate::port::Pend;
+use crate::port::Wake;
 use core::marker::PhantomData;
 
 /// The list, from which both tables are made.
@@ -53,7 +53,7 @@ macro_rules! list {
     ($($file:ident,)*) => {
         const ENTRIES: &[OwnEntry] = &[$($file::ENTRY),*];
 
-        impl<P: PortSet, W: Pend> Effects<P, W> {
+        impl<P: PortSet, W: Wake> Effects<P, W> {
             const ALL: [Effect<P, W>; ENTRIES.len()] = [$($file::carry_out),*];
         }
     };
@@ -111,7 +111,7 @@ static ROWS: [OwnRow; ENTRIES.len()] = {
 };
 
 /// Carries out a command of the table.
-pub(in crate::machine) fn carry_out<'a, P: PortSet, W: Pend>(
+pub(in crate::machine) fn carry_out<'a, P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
     command: &OwnCommand<'a>,

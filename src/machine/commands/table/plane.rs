@@ -1,6 +1,6 @@
 //! G17, G18, G19: the plane of arcs.
 
-use super::{Answer, MainLoop, OwnCommand, OwnEntry, Pend, PortSet, States};
+use super::{Answer, MainLoop, OwnCommand, OwnEntry, PortSet, States, Wake};
 use crate::gcode::{Grammar, Nature, Plane};
 
 pub(super) const ENTRY: OwnEntry = OwnEntry::g("Motion", &[17, 18, 19])
@@ -9,7 +9,7 @@ pub(super) const ENTRY: OwnEntry = OwnEntry::g("Motion", &[17, 18, 19])
     .does("", "plane of arcs: XY, ZX, YZ")
     .examples(&[("G17", &[]), ("G18", &[]), ("G19", &[])]);
 
-pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
+pub(super) fn carry_out<'a, P: PortSet, W: Wake>(
     _: &mut MainLoop<'_, P, W>,
     States { modal, .. }: &mut States,
     command: &OwnCommand<'a>,

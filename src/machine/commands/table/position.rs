@@ -1,6 +1,6 @@
 //! M114: where the program is, or where the tool is.
 
-use super::{Answer, MainLoop, OwnCommand, OwnEntry, Pend, PortSet, States};
+use super::{Answer, MainLoop, OwnCommand, OwnEntry, PortSet, States, Wake};
 use crate::gcode::Nature;
 
 pub(super) const ENTRY: OwnEntry = OwnEntry::m("Reports and messages", &[114])
@@ -13,7 +13,7 @@ pub(super) const ENTRY: OwnEntry = OwnEntry::m("Reports and messages", &[114])
         ("M114 R", &["X:100.00 Y:100.00 Z:50.00 E:0.00 C:0.00 Count A:16000 B:0 Z:40000"]),
     ]);
 
-pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
+pub(super) fn carry_out<'a, P: PortSet, W: Wake>(
     _: &mut MainLoop<'_, P, W>,
     _: &mut States,
     command: &OwnCommand<'a>,

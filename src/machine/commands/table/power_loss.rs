@@ -1,6 +1,6 @@
 //! M413: recovery from a loss of power. It is always off.
 
-use super::{Answer, MainLoop, OwnCommand, OwnEntry, Pend, PortSet, States};
+use super::{Answer, MainLoop, OwnCommand, OwnEntry, PortSet, States, Wake};
 use crate::gcode::Grammar;
 
 pub(super) const ENTRY: OwnEntry = OwnEntry::m("Settings", &[413])
@@ -12,7 +12,7 @@ pub(super) const ENTRY: OwnEntry = OwnEntry::m("Settings", &[413])
         ("M413", &["echo:Power-loss recovery OFF"]),
     ]);
 
-pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
+pub(super) fn carry_out<'a, P: PortSet, W: Wake>(
     _: &mut MainLoop<'_, P, W>,
     _: &mut States,
     command: &OwnCommand<'a>,

@@ -1,13 +1,13 @@
 //! M81: everything off that can be switched off. It acts whatever stands behind it.
 
-use super::{Answer, MainLoop, OwnCommand, OwnEntry, Pend, PortSet, States};
+use super::{Answer, MainLoop, OwnCommand, OwnEntry, PortSet, States, Wake};
 
 pub(super) const ENTRY: OwnEntry = OwnEntry::m("Heat and fans", &[81])
     .does("", "heaters and fans off; the power supply stays on")
     .examples(&[("M81", &["echo:M81: heaters and fans are off; this firmware does not switch the power supply"])]);
 
 /// A print that goes on would have no heat.
-pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
+pub(super) fn carry_out<'a, P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     _: &mut States,
     _: &OwnCommand<'a>,

@@ -1,6 +1,6 @@
 //! M555: the area that the print needs, for the next measurement of the bed.
 
-use super::{Answer, MainLoop, OwnCommand, OwnEntry, Pend, PortSet, States};
+use super::{Answer, MainLoop, OwnCommand, OwnEntry, PortSet, States, Wake};
 use crate::gcode::Grammar;
 use crate::machine::state::known_bed::PrintArea;
 
@@ -13,7 +13,7 @@ pub(super) const ENTRY: OwnEntry = OwnEntry::m("Bed mesh", &[555])
         ("M555 X1 Y1", &["echo:M555 names no area: it needs X, Y, W and H"]),
     ]);
 
-pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
+pub(super) fn carry_out<'a, P: PortSet, W: Wake>(
     _: &mut MainLoop<'_, P, W>,
     States { area, modal, .. }: &mut States,
     command: &OwnCommand<'a>,

@@ -1,6 +1,6 @@
 //! M73: the progress of the print, in percent and remaining minutes.
 
-use super::{Answer, MainLoop, OwnCommand, OwnEntry, Pend, PortSet, States};
+use super::{Answer, MainLoop, OwnCommand, OwnEntry, PortSet, States, Wake};
 use crate::gcode::Grammar;
 use crate::settings::Range;
 
@@ -25,7 +25,7 @@ const PERCENT: Range<u16> = Range { least: 0, most: 100 };
 
 const MINUTES: Range<u16> = Range { least: 0, most: u16::MAX };
 
-pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
+pub(super) fn carry_out<'a, P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     States { clamps, .. }: &mut States,
     command: &OwnCommand<'a>,

@@ -1,6 +1,6 @@
 //! M208: how G11 differs from G10.
 
-use super::{Answer, MainLoop, OwnCommand, OwnEntry, Pend, PortSet, States};
+use super::{Answer, MainLoop, OwnCommand, OwnEntry, PortSet, States, Wake};
 use crate::gcode::{Grammar, Nature, Part};
 use crate::machine::answers::words::Words;
 use crate::machine::commands::retraction::RETRACTION;
@@ -18,7 +18,7 @@ pub(super) const ENTRY: OwnEntry = OwnEntry::m("Motion", &[208])
         ("M208 F", &["echo:line ignored: F needs a number"]),
     ]);
 
-pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
+pub(super) fn carry_out<'a, P: PortSet, W: Wake>(
     _: &mut MainLoop<'_, P, W>,
     States { retraction, modal, clamps, .. }: &mut States,
     command: &OwnCommand<'a>,

@@ -1,6 +1,6 @@
 //! M207: how G10 retracts. Retracted filament is recovered by the length of its retraction.
 
-use super::{Answer, MainLoop, OwnCommand, OwnEntry, Pend, PortSet, States};
+use super::{Answer, MainLoop, OwnCommand, OwnEntry, PortSet, States, Wake};
 use crate::gcode::{Grammar, Nature, Part};
 use crate::machine::answers::words::Words;
 use crate::machine::commands::retraction::RETRACTION;
@@ -23,7 +23,7 @@ pub(super) const ENTRY: OwnEntry = OwnEntry::m("Motion", &[207])
         ("M207 Z", &["echo:line ignored: Z needs a number"]),
     ]);
 
-pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
+pub(super) fn carry_out<'a, P: PortSet, W: Wake>(
     _: &mut MainLoop<'_, P, W>,
     States { retraction, modal, clamps, .. }: &mut States,
     command: &OwnCommand<'a>,

@@ -1,6 +1,6 @@
 //! M422: where the screws of z are, and the points of the bed that are probed for them.
 
-use super::{Answer, MainLoop, OwnCommand, OwnEntry, Pend, PortSet, States};
+use super::{Answer, MainLoop, OwnCommand, OwnEntry, PortSet, States, Wake};
 use crate::gcode::{Grammar, Number};
 use crate::kinematics::SCREWS;
 use crate::machine::answers::setting::Setting;
@@ -20,7 +20,7 @@ pub(super) const ENTRY: OwnEntry = OwnEntry::m("Motors and drivers", &[422])
 /// Half a mm: places are rounded.
 const HALF: Mm = const { Mm::lit("0.5") };
 
-pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
+pub(super) fn carry_out<'a, P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     States { modal, clamps, .. }: &mut States,
     command: &OwnCommand<'a>,

@@ -1,6 +1,6 @@
 //! M211: moves are kept inside the reachable space.
 
-use super::{Answer, MainLoop, OwnCommand, OwnEntry, Pend, PortSet, States};
+use super::{Answer, MainLoop, OwnCommand, OwnEntry, PortSet, States, Wake};
 use crate::gcode::{Grammar, Nature};
 use crate::machine::answers::says::Facts;
 use crate::machine::answers::speaker::Speaker;
@@ -16,7 +16,7 @@ pub(super) const ENTRY: OwnEntry = OwnEntry::m("Settings", &[211])
         ("M211", &["Soft endstops: ON  Min:  X0.00 Y0.00 Z0.00   Max:  X390.00 Y417.60 Z335.00"]),
     ]);
 
-pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
+pub(super) fn carry_out<'a, P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     _: &mut States,
     command: &OwnCommand<'a>,

@@ -1,6 +1,6 @@
 //! M914: the threshold of StallGuard.
 
-use super::{Answer, MainLoop, OwnCommand, OwnEntry, Pend, PortSet, States};
+use super::{Answer, MainLoop, OwnCommand, OwnEntry, PortSet, States, Wake};
 use crate::gcode::{Grammar, Part};
 use crate::machine::answers::driver_value::DriverValue;
 use crate::machine::commands::drivers::set_drivers;
@@ -13,7 +13,7 @@ pub(super) const ENTRY: OwnEntry = OwnEntry::m("Motors and drivers", &[914])
         ("M914 X0 W1:2", &[]),
     ]);
 
-pub(super) fn carry_out<'a, P: PortSet, W: Pend>(
+pub(super) fn carry_out<'a, P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
     command: &OwnCommand<'a>,

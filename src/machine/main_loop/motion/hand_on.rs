@@ -2,7 +2,7 @@
 
 use super::Motion;
 use crate::machine::release::policy::{GATHERED, Release};
-use crate::port::Pend;
+use crate::port::Wake;
 use crate::settings::Settings;
 use crate::units::Instant;
 
@@ -17,7 +17,7 @@ pub(in crate::machine::main_loop) enum Fed {
     Move,
 }
 
-impl<W: Pend> Motion<'_, W> {
+impl<W: Wake> Motion<'_, W> {
     /// Hands released moves on, and releases more when it is time.
     pub(in crate::machine::main_loop) fn feed(&mut self, settings: &Settings, now: Instant) -> Fed {
         // Asked at every turn, because that updates the count of steps made.

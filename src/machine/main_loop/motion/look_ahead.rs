@@ -9,11 +9,11 @@
 
 use super::{Motion, of_grouping};
 use crate::motion::Target;
-use crate::port::{EndstopSet, Pend};
+use crate::port::{EndstopSet, Wake};
 use crate::settings::Settings;
 use crate::units::{Feed, Instant, Mm, Seconds, Steps, TICKS_PER_SECOND};
 
-impl<W: Pend> Motion<'_, W> {
+impl<W: Wake> Motion<'_, W> {
     /// M220.
     pub const fn feed_percent(&self) -> u16 {
         self.planner.feed_percent()

@@ -32,14 +32,14 @@ use crate::machine::state::advance_in_use::AdvanceInUse;
 use crate::machine::state::position::RealPosition;
 use crate::motion::{Link, MoveMemory, Planner, SurfaceFrame, Work, surface_work};
 use crate::motors::MOST_GROUPS;
-use crate::port::Pend;
+use crate::port::Wake;
 use crate::settings::{AxisSettings, Settings};
 use crate::surface::{Heights, Mesh};
 use crate::units::{Instant, Mm, Seconds, Steps, SubTicks, TICKS_PER_MS};
 use z_offset::Babystep;
 
 /// The motion, from the look-ahead to the counts of steps.
-pub(in crate::machine) struct Motion<'m, W: Pend> {
+pub(in crate::machine) struct Motion<'m, W: Wake> {
     link: Link<'m, W>,
     planner: Planner<'m>,
     policy: ReleasePolicy,
@@ -50,7 +50,7 @@ pub(in crate::machine) struct Motion<'m, W: Pend> {
     babystep: Babystep,
 }
 
-impl<'m, W: Pend> Motion<'m, W> {
+impl<'m, W: Wake> Motion<'m, W> {
     pub(super) fn new(
         link: Link<'m, W>,
         memory: &'m mut MoveMemory,

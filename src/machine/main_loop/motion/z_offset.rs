@@ -4,7 +4,7 @@
 //! with it. The generator adds it to the path of z. Every position that is adopted takes in the offset of that moment.
 
 use super::Motion;
-use crate::port::Pend;
+use crate::port::Wake;
 use crate::settings::AxisSettings;
 use crate::units::{Mm, Steps, StepsPerMm};
 
@@ -26,7 +26,7 @@ impl Babystep {
     }
 }
 
-impl<W: Pend> Motion<'_, W> {
+impl<W: Wake> Motion<'_, W> {
     /// Shifts z by a length from now on, while moves are under way.
     pub fn shift_z(&mut self, by: Mm, z: &AxisSettings) {
         let before = self.babystep.whole;

@@ -4,9 +4,9 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::motion::Target;
-use crate::port::Pend;
+use crate::port::Wake;
 
-impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
+impl<P: PortSet, W: Wake> MainLoop<'_, P, W> {
     /// Plans a move as soon as there is room for it.
     pub async fn plan(&mut self, target: Target) -> Result<(), Interrupt> {
         let motors = self.motion.groups().fitted();

@@ -5,11 +5,11 @@ use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::waiting::Waiting;
 use crate::motion::{AXES, Work, stiffenings, taps};
-use crate::port::Pend;
+use crate::port::Wake;
 use crate::settings::Shapers;
 use crate::units::Steps;
 
-impl<P: PortSet, W: Pend> MainLoop<'_, P, W> {
+impl<P: PortSet, W: Wake> MainLoop<'_, P, W> {
     /// Waits until everything planned has been stepped.
     pub async fn finish(&mut self) -> Result<(), Interrupt> {
         self.come_again();

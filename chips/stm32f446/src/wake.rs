@@ -1,24 +1,24 @@
 //! The interrupts that software pends.
 
-use corehbot::port::Pend;
+use corehbot::port::Wake;
 use cortex_m::peripheral::{NVIC, SCB};
 use embassy_stm32::pac::Interrupt;
 
 /// An interrupt that runs the StepGenerator: its device, the second CAN controller, is never switched on.
 pub const GENERATOR_IRQ: Interrupt = Interrupt::CAN2_SCE;
 
-/// Pends the interrupts of the contexts.
+/// SimWake the interrupts of the contexts.
 #[derive(Clone, Copy)]
-pub struct IrqPend;
+pub struct IrqWake;
 
-impl Pend for IrqPend {
+impl Wake for IrqWake {
     #[inline]
-    fn pend_generator(&self) {
+    fn wake_generator(&self) {
         NVIC::pend(GENERATOR_IRQ);
     }
 
     #[inline]
-    fn pend_stepper(&self) {
+    fn wake_stepper(&self) {
         SCB::set_pendst();
     }
 }
