@@ -5,10 +5,11 @@
 
 use corehbot::app::{Memory, Parts, StepPorts, assemble};
 use corehbot::kinematics::Groups;
-use corehbot::machine::Ports;
+use corehbot::machine::{PortSet, Ports};
 use corehbot::motors::{Coupling, EndstopSet, GroupSet, Motor, MotorSet};
 use corehbot::port::{
-    Clock, DriverBus, NoAccelerometer, NoHeaters, NoStorage, Received, Serial, StepClock, StepPort, Wake,
+    AnyBoard, Clock, MotorPower, NoAccelerometer, NoBus, NoHeaters, NoServo, NoStorage, Received, Serial, StepClock,
+    StepPort, Wake,
 };
 use corehbot::settings::Settings;
 use corehbot::units::{Instant, Mm, TICKS_PER_MS, TICKS_PER_SECOND, Tick};
@@ -95,17 +96,38 @@ impl Serial for &Board {
     }
 }
 
-/// Drivers without a UART. This program does not record power.
-impl DriverBus for &Board {
+/// This program does not record power.
+impl MotorPower for &Board {
     fn enable(&mut self, _on: MotorSet) {}
     fn couple(&mut self, _coupling: &Coupling) {}
+}
+
+/// The drivers run as their jumpers say, and there are neither a servo nor storage.
+impl<'b> PortSet for &'b Board {
+    type Serial = &'b Board;
+    type Motors = &'b Board;
+    type Drivers = NoBus;
+    type Servo = NoServo;
+    type Board = AnyBoard;
+    type Clock = &'b Board;
+    type Storage = NoStorage;
+    type Accelerometer = NoAccelerometer;
 }
 
 fn main() {
     let (board, settings, mut memory) = (&Board::default(), Settings::prototype(), Memory::new());
     let step_ports = StepPorts { pins: board, clock: board };
     let serial = [board].into_iter().collect();
-    let ports = Ports { serial, drivers: board, clock: board, storage: NoStorage, accelerometer: NoAccelerometer };
+    let ports: Ports<&Board> = Ports {
+        serial,
+        motors: board,
+        drivers: NoBus,
+        servo: NoServo,
+        board: AnyBoard,
+        clock: board,
+        storage: NoStorage,
+        accelerometer: NoAccelerometer,
+    };
     // The tool stands at the origin, as if homed.
     let start = Some([Mm::ZERO; 3]);
     let Parts { mut stepper, mut generator, mut console, status, counts, .. } =

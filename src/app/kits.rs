@@ -2,9 +2,9 @@
 
 use super::memory::Memory;
 use crate::kinematics::Groupings;
-use crate::machine::{Console, HostMemory, Ports};
+use crate::machine::{Console, HostMemory, PortSet, Ports};
 use crate::motion::{Entry, Link, MoveMemory, SpanMemory, StepCounts, StepGenerator, Stepper, StepsIn, StepsOut};
-use crate::port::{Accelerometer, Clock, DriverBus, Serial, StepClock, StepPort, Storage, ThermalPort, Wake};
+use crate::port::{StepClock, StepPort, ThermalPort, Wake};
 use crate::settings::Settings;
 use crate::status::Status;
 use crate::thermal::{Orders, OrdersIn, ThermalControl};
@@ -111,12 +111,12 @@ pub struct ConsoleKit<'m, W: Wake> {
 impl<'m, W: Wake> ConsoleKit<'m, W> {
     /// Makes the Console, which goes back to these `settings` with M502. If `start` (x, y, z) is known, the machine stands
     /// there as if homed.
-    pub fn make<S: Serial, D: DriverBus, K: Clock, T: Storage, A: Accelerometer>(
+    pub fn make<P: PortSet>(
         self,
         settings: &'m Settings,
         start: Option<[Mm; 3]>,
-        ports: Ports<S, D, K, T, A>,
-    ) -> Console<'m, Ports<S, D, K, T, A>, W> {
+        ports: Ports<P>,
+    ) -> Console<'m, P, W> {
         Console::new(settings, start, (self.planned, self.hosts), self.orders, self.groupings, self.link, ports)
     }
 }

@@ -17,7 +17,7 @@ pub use memory::Memory;
 
 use crate::machine::{Console, PortSet, Ports};
 use crate::motion::{StepCounts, StepGenerator, Stepper};
-use crate::port::{Accelerometer, Clock, DriverBus, Serial, StepClock, StepPort, Storage, ThermalPort, Wake};
+use crate::port::{StepClock, StepPort, ThermalPort, Wake};
 use crate::settings::Settings;
 use crate::status::Status;
 use crate::thermal::ThermalControl;
@@ -41,27 +41,15 @@ pub struct Parts<'m, P: StepPort, C: StepClock, Q: PortSet, H: ThermalPort, W: W
 
 /// Puts a machine together that stands at `start` (x, y, z) if that is known, as if homed. Settings in its storage
 /// override `settings`, except the mechanism, which a machine keeps.
-#[expect(clippy::type_complexity, reason = "the parts have the ports of the board, which are named one by one")]
-pub fn assemble<
-    'm,
-    P: StepPort,
-    C: StepClock,
-    S: Serial,
-    D: DriverBus,
-    K: Clock,
-    T: Storage,
-    A: Accelerometer,
-    H: ThermalPort,
-    W: Wake + Copy,
->(
+pub fn assemble<'m, P: StepPort, C: StepClock, Q: PortSet, H: ThermalPort, W: Wake + Copy>(
     memory: &'m mut Memory,
     settings: &'m Settings,
     start: Option<[Mm; 3]>,
     step_ports: StepPorts<P, C>,
     thermal_port: H,
-    ports: Ports<S, D, K, T, A>,
+    ports: Ports<Q>,
     wake: W,
-) -> Parts<'m, P, C, Ports<S, D, K, T, A>, H, W> {
+) -> Parts<'m, P, C, Q, H, W> {
     let Kits { stepper, generator, thermal, console, status, counts } = Kits::new(memory, settings, wake);
     Parts {
         stepper: stepper.make(step_ports, wake),

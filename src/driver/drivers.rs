@@ -8,7 +8,7 @@ use super::reading::Reading;
 use super::run::{Job, Next, Run};
 use super::watch::Watch;
 use crate::motors::{MOTORS, Motor, MotorName, MotorSet};
-use crate::port::{BusError, DriverBus, Frame};
+use crate::port::{BusError, DriverBus, Frame, MotorPower};
 use crate::settings::Settings;
 use crate::units::Instant;
 use turns::Turn;
@@ -134,7 +134,7 @@ impl Drivers {
     ///
     /// # Errors
     /// A motor that is [`unproved`](Self::unproved); nothing changes then.
-    pub fn power(&mut self, on: MotorSet, bus: &mut impl DriverBus, now: Instant) -> Result<(), Motor> {
+    pub fn power(&mut self, on: MotorSet, power: &mut impl MotorPower, now: Instant) -> Result<(), Motor> {
         if let Some(motor) = self.unproved(on, now) {
             return Err(motor);
         }
@@ -145,14 +145,14 @@ impl Drivers {
             driver.proved = driver.proved.filter(|_| !on.has(motor));
         }
         self.powered = on;
-        bus.enable(on);
+        power.enable(on);
         Ok(())
     }
 
     /// Takes the power from all motors, in any state.
-    pub fn cut(&mut self, bus: &mut impl DriverBus) {
+    pub fn cut(&mut self, power: &mut impl MotorPower) {
         self.powered = MotorSet::NONE;
-        bus.enable(MotorSet::NONE);
+        power.enable(MotorSet::NONE);
     }
 
     /// Whether every motor with power makes the required microsteps.
@@ -188,9 +188,9 @@ impl Drivers {
 
     /// After a fault of one driver: takes the power from its motor alone, and looks at all others at once. These are
     /// still watched, and a second fault is reported; jobs are dropped.
-    pub fn go_on_without(&mut self, motor: Motor, bus: &mut impl DriverBus) {
+    pub fn go_on_without(&mut self, motor: Motor, power: &mut impl MotorPower) {
         self.powered = self.powered.without(MotorSet::of(motor));
-        bus.enable(self.powered);
+        power.enable(self.powered);
         (self.run, self.asked, self.is_awaited) = (None, None, false);
         self.watch.ask_at_once(MotorSet::ALL);
     }

@@ -34,8 +34,8 @@ pub use crate::machine::ports::{PortSet, Ports};
 use crate::machine::probe::touch::end_touch;
 use crate::machine::state::job::JobEnd;
 use crate::machine::state::kept_line::Answered;
-use crate::motion::{Link, MoveMemory};
-use crate::port::{Accelerometer, Clock, DriverBus, Serial, Storage, Wake};
+use crate::motion::{Link, MoveMemory, QueueObserver};
+use crate::port::{BoardFacts, Wake};
 use crate::protocol::{Action, Echo};
 use crate::settings::Settings;
 use crate::surface::Mesh;
@@ -50,15 +50,7 @@ pub struct Console<'m, P: PortSet, W: Wake> {
     states: States,
 }
 
-impl<'m, S, D, K, T, A, W> Console<'m, Ports<S, D, K, T, A>, W>
-where
-    S: Serial,
-    D: DriverBus,
-    K: Clock,
-    T: Storage,
-    A: Accelerometer,
-    W: Wake,
-{
+impl<'m, P: PortSet, W: Wake> Console<'m, P, W> {
     /// A Console of a machine with these groups of motors that stands at `start` if that is known, as if homed.
     pub fn new(
         settings: &'m Settings,
@@ -67,7 +59,7 @@ where
         orders: Orders<'m>,
         groupings: &'m Groupings,
         link: Link<'m, W>,
-        ports: Ports<S, D, K, T, A>,
+        ports: Ports<P>,
     ) -> Self {
         Self {
             main_loop: MainLoop::new(settings, start, memory, orders, groupings, link, ports),
@@ -76,10 +68,15 @@ where
     }
 }
 
-impl<P: PortSet, W: Wake> Console<'_, P, W> {
+impl<'m, P: PortSet, W: Wake> Console<'m, P, W> {
     /// The settings as they are now.
     pub fn settings(&self) -> &Settings {
         &self.main_loop.settings
+    }
+
+    /// This one sees each entry before it goes to the StepGenerator: a simulator follows the moves so.
+    pub fn observe(&mut self, observer: &'m dyn QueueObserver) {
+        self.main_loop.motion.observe(observer);
     }
 
     /// The bed has this mesh, and z follows it as soon as the Console [runs](Self::run).
@@ -117,7 +114,7 @@ impl<P: PortSet, W: Wake> Console<'_, P, W> {
             for host in 0..main_loop.hosts.len() {
                 main_loop.hosts.switch_to(host);
                 main_loop.reply(Answer::Start).await?;
-                if let Some(why) = main_loop.power.refusal() {
+                if let Some(why) = main_loop.board.refusal() {
                     main_loop.say(text!("echo:{why}; no motor gets power"));
                 }
                 main_loop.reply(found).await?;

@@ -1,39 +1,43 @@
 //! The Console's ports: its needs from a board, as one type.
 
-use crate::port::{Accelerometer, Clock, DriverBus, Lines, Serial, Storage};
+use crate::port::{Accelerometer, BoardFacts, Clock, DriverBus, Lines, MotorPower, Serial, Servo, Storage};
 
-/// The ports that the Console needs from a board.
-pub struct Ports<S: Serial, D: DriverBus, K: Clock, T: Storage, A: Accelerometer> {
-    /// The lines to the hosts.
-    pub serial: Lines<S>,
-    /// The motor drivers.
-    pub drivers: D,
-    /// The clock.
-    pub clock: K,
-    /// Memory for settings; [`NoStorage`](crate::port::NoStorage) if there is none.
-    pub storage: T,
-    /// The accelerometer; [`NoAccelerometer`](crate::port::NoAccelerometer) if there is none.
-    pub accelerometer: A,
-}
-
-/// The types of a set of [`Ports`], so that one parameter names them all.
+/// The types of the ports that the Console needs from a board, so that one parameter names them all.
 pub trait PortSet {
     /// A line to a host.
     type Serial: Serial;
-    /// The motor drivers.
+    /// The power of the motors.
+    type Motors: MotorPower;
+    /// The wires to the drivers; [`NoBus`](crate::port::NoBus) if there are none.
     type Drivers: DriverBus;
+    /// The servo of the probe; [`NoServo`](crate::port::NoServo) if there is none.
+    type Servo: Servo;
+    /// Facts of the board.
+    type Board: BoardFacts;
     /// The clock.
     type Clock: Clock;
-    /// Memory for settings.
+    /// Memory for settings; [`NoStorage`](crate::port::NoStorage) if there is none.
     type Storage: Storage;
-    /// The accelerometer.
+    /// The accelerometer; [`NoAccelerometer`](crate::port::NoAccelerometer) if there is none.
     type Accelerometer: Accelerometer;
 }
 
-impl<S: Serial, D: DriverBus, K: Clock, T: Storage, A: Accelerometer> PortSet for Ports<S, D, K, T, A> {
-    type Serial = S;
-    type Drivers = D;
-    type Clock = K;
-    type Storage = T;
-    type Accelerometer = A;
+/// The ports themselves.
+pub struct Ports<P: PortSet> {
+    /// The lines to the hosts.
+    pub serial: Lines<P::Serial>,
+    /// The power of the motors.
+    pub motors: P::Motors,
+    /// The wires to the drivers.
+    pub drivers: P::Drivers,
+    /// The servo of the probe.
+    pub servo: P::Servo,
+    /// Facts of the board.
+    pub board: P::Board,
+    /// The clock.
+    pub clock: P::Clock,
+    /// Memory for settings.
+    pub storage: P::Storage,
+    /// The accelerometer.
+    pub accelerometer: P::Accelerometer,
 }

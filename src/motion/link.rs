@@ -14,12 +14,20 @@ use heapless::spsc::Producer;
 /// Longer than any delay of the trajectory: a second.
 const LONG_AGO: SubTicks = SubTicks::of_ticks(TICKS_PER_SECOND as u64);
 
+/// Follows the entries of the MoveQueue, as a simulator does.
+pub trait QueueObserver: Sync {
+    /// An entry that is about to be queued.
+    fn sees(&self, entry: &Entry);
+}
+
 /// The Console's end of the MoveQueue.
 pub struct Link<'m, W: Wake> {
     queue: Producer<'m, Entry>,
     status: &'m Status,
     counts: StepCounts<'m>,
     wake: W,
+    /// Sees each entry before it is queued. Only a simulator has one.
+    observer: Option<&'m dyn QueueObserver>,
     epoch: u8,
     /// Entries ever queued, wrapping.
     entries: u32,
@@ -45,6 +53,7 @@ impl<'m, W: Wake> Link<'m, W> {
             status,
             counts,
             wake,
+            observer: None,
             epoch: status.epoch(),
             entries: 0,
             left: SubTicks::ZERO,
@@ -54,6 +63,11 @@ impl<'m, W: Wake> Link<'m, W> {
             z: Steps::ZERO,
             has_shifted: false,
         }
+    }
+
+    /// From now on this one sees each entry before it is queued.
+    pub fn observe(&mut self, observer: &'m dyn QueueObserver) {
+        self.observer = Some(observer);
     }
 
     /// The state shared between the contexts.
@@ -118,7 +132,9 @@ impl<'m, W: Wake> Link<'m, W> {
             | Work::Heights(..) => SubTicks::ZERO,
         };
         let entry = Entry { epoch: self.epoch, work };
-        self.wake.sees_queued(&entry);
+        if let Some(observer) = self.observer {
+            observer.sees(&entry);
+        }
         if self.queue.enqueue(entry).is_ok() {
             self.entries = self.entries.wrapping_add(1);
             self.left += time;

@@ -66,7 +66,7 @@ mod z_limits;
 // The atomics of the queue under a name that a test can replace by its own memory.
 use core::sync::atomic;
 
-pub use link::Link;
+pub use link::{Link, QueueObserver};
 pub use moves::{Move, WHOLE};
 pub(crate) use number::{from_f32, root, to_f32};
 pub use planner::{LOOKAHEAD_MOVES, MoveMemory, Planner, Target, WHOLE_SHARE};

@@ -2,7 +2,7 @@
 
 use corehbot::driver::{DriverError, Drivers, Job, News, Register};
 use corehbot::motors::{Motor, MotorSet, prototype};
-use corehbot::port::{BusError, Coupling, DriverBus, Frame};
+use corehbot::port::{BusError, Coupling, DriverBus, Frame, MotorPower};
 use corehbot::settings::Settings;
 use corehbot::units::Instant;
 
@@ -69,14 +69,16 @@ impl Bus {
     }
 }
 
-impl DriverBus for Bus {
+impl MotorPower for Bus {
     fn enable(&mut self, on: MotorSet) {
         self.powered = on;
     }
 
     // There are no step pins here.
     fn couple(&mut self, _coupling: &Coupling) {}
+}
 
+impl DriverBus for Bus {
     fn lines(&self) -> MotorSet {
         prototype::ALL
     }

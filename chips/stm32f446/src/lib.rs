@@ -41,6 +41,7 @@ mod after_bootloader;
 #[cfg(target_os = "none")]
 mod assembly;
 #[cfg(target_os = "none")]
+mod board_facts;
 mod board_storage;
 #[cfg(target_os = "none")]
 mod bus;
@@ -77,6 +78,7 @@ mod image;
 #[cfg(target_os = "none")]
 mod machine_at_start;
 #[cfg(target_os = "none")]
+mod motor_power;
 mod narrow_heaters;
 #[cfg(target_os = "none")]
 mod otg;

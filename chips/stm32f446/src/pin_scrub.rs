@@ -6,7 +6,7 @@ use corehbot::fault::{Cause, Fault};
 use corehbot::settings::sum;
 use corehbot::status::Status;
 
-use crate::drivers;
+use crate::motor_power;
 use crate::step_pins::COUPLED_ROWS;
 use crate::stepper::{step_pins_dir_row, step_pins_row};
 use crate::time;
@@ -17,10 +17,10 @@ const EVERY: u32 = 900;
 /// Checks the words as long as the machine runs; a changed word is a fault.
 #[embassy_executor::task]
 pub async fn run(status: &'static Status) {
-    let (mut couplings, mut coupled, lasting) = (drivers::couplings(), sum_of_coupled(), sum_of_lasting());
+    let (mut couplings, mut coupled, lasting) = (motor_power::couplings(), sum_of_coupled(), sum_of_lasting());
     loop {
         time::pass(EVERY).await;
-        let (now, sum) = (drivers::couplings(), sum_of_coupled());
+        let (now, sum) = (motor_power::couplings(), sum_of_coupled());
         if now != couplings {
             // Other words were written.
             (couplings, coupled) = (now, sum);

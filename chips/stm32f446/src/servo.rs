@@ -73,8 +73,22 @@ pub fn start(pin: Pin) {
     LINE.fill(Line { pin, length: 0, left: 0, is_high: false, is_running: false });
 }
 
+/// The line to the servo.
+pub struct ServoLine {
+    /// Whether the board has one.
+    pub is_there: bool,
+}
+
+impl corehbot::port::Servo for ServoLine {
+    fn order(&mut self, micros: Option<u16>) {
+        if self.is_there {
+            order(micros);
+        }
+    }
+}
+
 /// Orders pulses of so many us, or none.
-pub fn order(micros: Option<u16>) {
+fn order(micros: Option<u16>) {
     ORDER.store(micros.map_or(STOP, |micros| micros.clamp(1, LONGEST)), Relaxed);
     NVIC::pend(IRQ);
 }

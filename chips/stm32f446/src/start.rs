@@ -14,6 +14,7 @@ use static_cell::StaticCell;
 
 use crate::accelerometer::SpiSensor;
 use crate::assembly::{Handles, assemble};
+use crate::board_facts::ThisBoard;
 use crate::board_storage::BoardStorage;
 use crate::contexts;
 use crate::drivers::Drivers;
@@ -21,7 +22,9 @@ use crate::fans::Fans;
 use crate::heat::BoardHeat;
 use crate::host_serial::HostSerial;
 use crate::machine_at_start::{Start, machine_at_start};
+use crate::motor_power::EnableLines;
 use crate::reset_reason::{self, ResetReason};
+use crate::servo::ServoLine;
 use crate::step_pins::{Dirs, StepPins};
 use crate::step_timer::{BoardClock, StepTimer};
 use crate::usart::UsartLine;
@@ -109,10 +112,12 @@ fn make_ready(image: &'static Image, find: Find) -> (Handles, Option<UsbPort>, b
     let (timer, counts_asleep) = StepTimer::start(peripherals.SYST);
     let coupling = Groups::new(&settings.mechanism).coupling();
     let [dirs, spare] = DIRS.init_with(|| [(); 2].map(|()| Dirs::new(plugged, &coupling)));
-    let drivers = Drivers::start(plugged, refusal, spare);
     let ports = Ports {
         serial: lines,
-        drivers,
+        motors: EnableLines::new(plugged, spare),
+        drivers: Drivers::start(plugged),
+        servo: ServoLine { is_there: plugged.servo.is_some() },
+        board: ThisBoard { connectors: board.connectors, refusal },
         clock: BoardClock,
         storage,
         accelerometer: SpiSensor::new(board.accelerometer),

@@ -4,7 +4,7 @@
 
 use crate::tmc2209::{Tmc2209, gconf};
 use corehbot::motors::{Coupling, MOTORS, Motor, MotorSet};
-use corehbot::port::{BusError, Frame};
+use corehbot::port::{BusError, DriverBus, Frame, MotorPower, Servo};
 use corehbot::units::TICKS_PER_SECOND;
 use std::cell::{Cell, RefCell, RefMut};
 
@@ -115,11 +115,37 @@ impl Drivers {
         self.servo.take()
     }
 
+    /// The lines that switch the drivers on, with the time in ticks.
+    #[must_use]
+    pub const fn power<'d>(&'d self, now: &'d Cell<u64>) -> Power<'d> {
+        Power { drivers: self, now }
+    }
+
+    /// The line to the servo of a probe, with the time in ticks.
+    #[must_use]
+    pub const fn servo<'d>(&'d self, now: &'d Cell<u64>) -> ServoLine<'d> {
+        ServoLine { drivers: self, now }
+    }
+
     /// The firmware's end of the wires, with the time in ticks.
     #[must_use]
     pub const fn bus<'d>(&'d self, now: &'d Cell<u64>) -> Bus<'d> {
         Bus { drivers: self, now, pending: None }
     }
+}
+
+/// The lines that switch the drivers on.
+#[derive(Debug)]
+pub struct Power<'d> {
+    drivers: &'d Drivers,
+    now: &'d Cell<u64>,
+}
+
+/// The line to the servo of a probe.
+#[derive(Debug)]
+pub struct ServoLine<'d> {
+    drivers: &'d Drivers,
+    now: &'d Cell<u64>,
 }
 
 /// The firmware's end of the wires.
@@ -131,7 +157,7 @@ pub struct Bus<'d> {
     pending: Option<(u64, Result<Frame, BusError>)>,
 }
 
-impl corehbot::port::DriverBus for Bus<'_> {
+impl MotorPower for Power<'_> {
     fn enable(&mut self, on: MotorSet) {
         let drivers = self.drivers;
         let fresh = on.without(drivers.enabled.replace(on));
@@ -147,11 +173,15 @@ impl corehbot::port::DriverBus for Bus<'_> {
     fn couple(&mut self, coupling: &Coupling) {
         self.drivers.coupling.set(Some(*coupling));
     }
+}
 
-    fn servo(&mut self, micros: Option<u16>) {
+impl Servo for ServoLine<'_> {
+    fn order(&mut self, micros: Option<u16>) {
         self.drivers.servo.set(Some((self.now.get(), micros)));
     }
+}
 
+impl DriverBus for Bus<'_> {
     fn lines(&self) -> MotorSet {
         self.drivers.lines
     }

@@ -32,6 +32,7 @@ pub mod not_gcode;
 mod odometer;
 pub mod plugs;
 mod ports;
+mod queue_log;
 pub mod reach;
 pub mod sampler;
 pub mod script;

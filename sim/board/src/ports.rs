@@ -8,8 +8,9 @@ use crate::drivers::Drivers;
 use crate::ends::{Host, Sink};
 use crate::mesh_log::MeshLog;
 use crate::plugs::Plugs;
+use crate::queue_log::QueueLog;
 use corehbot::kinematics::MotorTable;
-use corehbot::motion::{Entry, SurfaceFrame};
+use corehbot::motion::SurfaceFrame;
 use corehbot::motors::{EndstopSet, GroupSet, MOTORS, MotorSet};
 use corehbot::port::{Clock, Received, Serial, StepClock, StepPort, Wake};
 use corehbot::surface::Heights;
@@ -17,7 +18,6 @@ use corehbot::units::{Instant, Tick};
 use corehbot_rig::Rig;
 use corehbot_rig::bed::BedPlant;
 use corehbot_rig::bed::probe::ProbeFault;
-use std::any::Any;
 use std::cell::{Cell, RefCell};
 use std::collections::VecDeque;
 
@@ -33,9 +33,8 @@ pub(crate) struct Shared {
     pub pressed: Cell<EndstopSet>,
     /// Switches that read as pressed no more.
     pub dead: Cell<EndstopSet>,
-    /// Whether moves are followed, and what the Console has queued for the generator since the last look.
-    pub is_followed: Cell<bool>,
-    pub queued: RefCell<Vec<Entry>>,
+    /// What the Console has queued for the generator, if moves are followed.
+    pub queued: QueueLog,
     /// The accelerometer at the tool.
     pub sensor: RefCell<SimSensor>,
 }
@@ -117,14 +116,6 @@ impl Wake for SimWake<'_> {
 
     fn wake_stepper(&self) {
         self.0.stepper.set(true);
-    }
-
-    fn sees_queued(&self, entry: &dyn Any) {
-        if self.0.is_followed.get()
-            && let Some(entry) = entry.downcast_ref::<Entry>()
-        {
-            self.0.queued.borrow_mut().push(entry.clone());
-        }
     }
 }
 

@@ -13,7 +13,7 @@ mod z_shifts;
 use crate::accelerometer::Sensor;
 use crate::accident::Accident;
 use crate::any_storage::AnyStorage;
-use crate::drivers::Drivers;
+use crate::drivers::{Bus, Drivers, Power, ServoLine};
 pub use crate::ends::{HeatPeriod, HeaterPeriod, Host, Sink};
 use crate::heat_plant::HeatSetup;
 use crate::moves::Tap;
@@ -23,10 +23,10 @@ use crate::ports::{Line, Mechanics, Pins, Shared, SimWake, Timer};
 use crate::reach::Reach;
 use corehbot::app::{Parts, StepPorts, assemble};
 use corehbot::kinematics::{Groups, MotorTable};
-use corehbot::machine::{Ports, Restart};
+use corehbot::machine::{PortSet, Ports, Restart};
 use corehbot::motion::{StepCounts, StepGenerator, Stepper};
 use corehbot::motors::{Coupling, EndstopSet, MOST_GROUPS, MOTORS, Motor, MotorSet};
-use corehbot::port::Storage;
+use corehbot::port::{AnyBoard, Storage};
 use corehbot::settings::Settings;
 use corehbot::status::Status;
 use corehbot::thermal::ThermalControl;
@@ -110,6 +110,18 @@ impl Turned {
     fn recouple(&mut self, coupling: Coupling, counts: [i32; MOST_GROUPS]) {
         *self = Self { coupling, since: counts, before: self.motors(counts) };
     }
+}
+
+/// The types of the simulated ports.
+impl<'w> PortSet for &'w Shared {
+    type Serial = Line<'w>;
+    type Motors = Power<'w>;
+    type Drivers = Bus<'w>;
+    type Servo = ServoLine<'w>;
+    type Board = AnyBoard;
+    type Clock = Timer<'w>;
+    type Storage = AnyStorage<'w>;
+    type Accelerometer = Sensor<'w>;
 }
 
 /// The firmware and its machine.
@@ -222,14 +234,16 @@ impl<'w> World<'w> {
         let plugs = plugs.as_ref();
         let mesh_log = mesh_log.as_deref_mut();
         let tap = sink.wants_moves().then(|| Box::new(Tap::new(settings, mechanics.nozzle())));
-        shared.is_followed.set(tap.is_some());
         let (has_sensor, told_z) = (settings.accelerometer.kind.is_some(), None);
         let forward = MotorSet::NONE;
         let pins = Pins { mechanics, bed, mesh_log, shared, has_sensor, drivers, plugs, table, forward, told_z, sink };
         let step_ports = StepPorts { pins, clock: Timer(shared) };
-        let ports = Ports {
+        let ports: Ports<&'w Shared> = Ports {
             serial: wires.iter().map(Line).collect(),
+            motors: drivers.power(&shared.now),
             drivers: drivers.bus(&shared.now),
+            servo: drivers.servo(&shared.now),
+            board: AnyBoard,
             clock: Timer(shared),
             storage,
             accelerometer: Sensor { sensor: &shared.sensor, now: &shared.now },
@@ -238,6 +252,9 @@ impl<'w> World<'w> {
         let plant = plant.standing_on(left.take().map(|plant| *plant));
         let Parts { stepper, generator, thermal, mut console, status, counts } =
             assemble(memory, settings, start, step_ports, plant, ports, SimWake(shared));
+        if tap.is_some() {
+            console.observe(&shared.queued);
+        }
         if let Some(mesh) = mesh {
             console.lay_mesh(mesh);
         }

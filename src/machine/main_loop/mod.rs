@@ -80,7 +80,7 @@ use crate::machine::state::position::Homed;
 use crate::machine::state::probing::Probing;
 use crate::machine::state::trimming::Trimming;
 use crate::motion::{Link, MoveMemory};
-use crate::port::{Accelerometer, Clock, DriverBus, Serial, Storage, Wake};
+use crate::port::{Clock, Wake};
 use crate::protocol::Replies;
 use crate::settings::Settings;
 use crate::status::{Known, Status};
@@ -129,7 +129,11 @@ pub(in crate::machine) struct MainLoop<'m, P: PortSet, W: Wake> {
     pub settings: SettingsInUse<'m>,
     pub motion: Motion<'m, W>,
     pub heat: Heaters<'m>,
-    pub power: Power<P::Drivers>,
+    pub power: Power<P::Motors, P::Drivers>,
+    /// The servo of the probe.
+    pub servo: P::Servo,
+    /// Facts of the board.
+    pub board: P::Board,
     pub accelerometer: P::Accelerometer,
     /// Memory for settings.
     pub storage: P::Storage,
@@ -139,15 +143,7 @@ pub(in crate::machine) struct MainLoop<'m, P: PortSet, W: Wake> {
     pub hosts: Hosts<'m, P::Serial>,
 }
 
-impl<'m, S, D, K, T, A, W> MainLoop<'m, Ports<S, D, K, T, A>, W>
-where
-    S: Serial,
-    D: DriverBus,
-    K: Clock,
-    T: Storage,
-    A: Accelerometer,
-    W: Wake,
-{
+impl<'m, P: PortSet, W: Wake> MainLoop<'m, P, W> {
     /// The main loop of a machine with these groups of motors. If `start` is known, the machine stands there as if
     /// homed.
     pub fn new(
@@ -157,10 +153,10 @@ where
         orders: Orders<'m>,
         groupings: &'m Groupings,
         link: Link<'m, W>,
-        ports: Ports<S, D, K, T, A>,
+        ports: Ports<P>,
     ) -> Self {
         let [x, y, z] = start.unwrap_or_default();
-        let Ports { serial, drivers: bus, clock, storage, accelerometer } = ports;
+        let Ports { serial, motors, drivers: bus, servo, board, clock, storage, accelerometer } = ports;
         let (now, status) = (clock.now(), link.status());
         Self {
             hosts: Hosts::new(serial, hosts),
@@ -176,7 +172,9 @@ where
             trimming: Trimming::new(),
             probing: Probing::new(),
             bed: KnownBed::new(),
-            power: Power::new(bus, settings, now),
+            power: Power::new(motors, bus, settings, now),
+            servo,
+            board,
             heat: Heaters::new(status.heat(), orders, &settings.thermal, now),
             storage,
             accelerometer,

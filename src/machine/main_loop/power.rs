@@ -3,35 +3,25 @@
 //! Invariant: a motor gets power only after its driver has just shown that it holds its settings (`driver::Drivers`).
 //! [`powering`](super::powering) has the waits for that.
 
-use crate::connectors::BoardConnectors;
 use crate::driver::{DriverError, Drivers, Fault, Job, News, Reading};
 use crate::machine::state::idle_timeout::IdleTimeout;
 use crate::motors::Coupling;
-use crate::port::{DriverBus, Motor, MotorSet};
+use crate::port::{DriverBus, Motor, MotorPower, MotorSet};
 use crate::settings::Settings;
 use crate::units::Instant;
 
 /// The drivers, and which motors have power.
-pub(in crate::machine) struct Power<D> {
+pub(in crate::machine) struct Power<M, D> {
+    motors: M,
     bus: D,
     /// The settings in the motor drivers, and the motors with power.
     drivers: Drivers,
     idle_timeout: IdleTimeout,
 }
 
-impl<D: DriverBus> Power<D> {
-    pub(super) fn new(bus: D, settings: &Settings, now: Instant) -> Self {
-        Self { drivers: Drivers::new(bus.lines(), settings), bus, idle_timeout: IdleTimeout::new(now) }
-    }
-
-    /// Why this board has no machine, if it has none.
-    pub fn refusal(&self) -> Option<&'static str> {
-        self.bus.refusal()
-    }
-
-    /// The board's connectors.
-    pub fn connectors(&self) -> &'static BoardConnectors {
-        self.bus.connectors()
+impl<M: MotorPower, D: DriverBus> Power<M, D> {
+    pub(super) fn new(motors: M, bus: D, settings: &Settings, now: Instant) -> Self {
+        Self { drivers: Drivers::new(bus.lines(), settings), motors, bus, idle_timeout: IdleTimeout::new(now) }
     }
 
     /// Motors with a driver that has a UART.
@@ -49,11 +39,6 @@ impl<D: DriverBus> Power<D> {
         self.idle_timeout.set(seconds, now);
     }
 
-    /// A warning about the board's protection of its outputs, if it does not work.
-    pub(super) fn warning(&self) -> Option<&'static str> {
-        self.bus.warning()
-    }
-
     /// The drivers, for reports.
     pub(super) const fn drivers(&self) -> &Drivers {
         &self.drivers
@@ -66,7 +51,7 @@ impl<D: DriverBus> Power<D> {
 
     /// No motor has power at the start.
     pub(super) fn begin(&mut self) {
-        self.bus.enable(MotorSet::NONE);
+        self.motors.enable(MotorSet::NONE);
     }
 
     /// Has the drivers hold the settings of these; they get them in the background.
@@ -107,27 +92,22 @@ impl<D: DriverBus> Power<D> {
     /// Gives power to these motors and to no others, if no driver lacks a proof.
     pub(super) fn set(&mut self, on: MotorSet, now: Instant) {
         // A proof that is too old is requested again.
-        let _ = self.drivers.power(on, &mut self.bus, now);
+        let _ = self.drivers.power(on, &mut self.motors, now);
     }
 
     /// Takes power from all motors, at once.
     pub(super) fn cut(&mut self) {
-        self.drivers.cut(&mut self.bus);
+        self.drivers.cut(&mut self.motors);
     }
 
     /// A motor with a driver that has failed loses its power, the others keep theirs.
     pub(super) fn go_on_without(&mut self, motor: Motor) {
-        self.drivers.go_on_without(motor, &mut self.bus);
+        self.drivers.go_on_without(motor, &mut self.motors);
     }
 
     /// Has the step pins turn these motors for each group.
     pub(super) fn couple(&mut self, coupling: &Coupling) {
-        self.bus.couple(coupling);
-    }
-
-    /// Gives the servo of the probe an order: pulses of so many us, or no more.
-    pub fn servo(&mut self, micros: Option<u16>) {
-        self.bus.servo(micros);
+        self.motors.couple(coupling);
     }
 
     /// The first fault of a driver.

@@ -8,7 +8,7 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::motors::MOTORS;
-use crate::port::{Motor, MotorSet, Wake};
+use crate::port::{BoardFacts, Motor, MotorSet, Wake};
 use crate::units::Instant;
 use core::pin::pin;
 
@@ -171,7 +171,7 @@ impl<P: PortSet, W: Wake> MainLoop<'_, P, W> {
 
 /// Says why this board has no machine, if it has none.
 fn refuse_without_machine<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>) -> Result<(), Interrupt> {
-    let Some(why) = main_loop.power.refusal() else { return Ok(()) };
+    let Some(why) = main_loop.board.refusal() else { return Ok(()) };
     main_loop.say(text!("Error:{why}; no motor got power"));
     Err(Interrupt::NoPower)
 }

@@ -29,7 +29,7 @@ use crate::machine::reports::resonance_report::report_resonance;
 use crate::machine::reports::screw_report::report_screws;
 use crate::machine::reports::settings_report::{report_setting, report_settings};
 use crate::machine::reports::storage_report::report_storage;
-use crate::port::Wake;
+use crate::port::{BoardFacts, Wake};
 use crate::protocol::{Echo, Owed, Replies};
 use crate::settings::Settings;
 use crate::storage::is_present;
@@ -121,7 +121,9 @@ impl<'m, P: PortSet, W: Wake> MainLoop<'m, P, W> {
         // These need all of the main loop, which is taken apart in the next lines.
         let temperatures = self.temperatures();
         let targets = Heater::ALL.map(|heater| self.heat.target(heater));
-        let Self { hosts, progress, settings, motion, status, power, storage, trimming, bed, first_layer, .. } = self;
+        let Self {
+            hosts, progress, settings, motion, status, power, board, storage, trimming, bed, first_layer, ..
+        } = self;
         let s: &Settings = settings;
         let to = &mut Speaker::new(progress, hosts);
         match *answer {
@@ -172,7 +174,7 @@ impl<'m, P: PortSet, W: Wake> MainLoop<'m, P, W> {
             Answer::Heat => report_heat(to, s, status.heat(), status.fault(), targets),
             Answer::Overload => {
                 report_overload(to, status.overload());
-                if let Some(warning) = power.warning() {
+                if let Some(warning) = board.warning() {
                     to.say(text!("echo:{warning}"));
                 }
             }

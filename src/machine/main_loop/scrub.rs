@@ -24,9 +24,12 @@ mod tests {
     use crate::machine::hosts::host::HostMemory;
     use crate::machine::interrupt::Interrupt;
     use crate::machine::main_loop::MainLoop;
-    use crate::machine::ports::Ports;
+    use crate::machine::ports::{PortSet, Ports};
     use crate::motion::{Link, MoveMemory, MoveQueue, StepQueue};
-    use crate::port::{Clock, DriverBus, Lines, MotorSet, NoAccelerometer, NoStorage, Received, Serial, Wake};
+    use crate::port::{
+        AnyBoard, Clock, Lines, MotorPower, MotorSet, NoAccelerometer, NoBus, NoServo, NoStorage, Received, Serial,
+        Wake,
+    };
     use crate::settings::{Kept, Settings};
     use crate::status::Status;
     use crate::thermal::OrderQueue;
@@ -46,7 +49,7 @@ mod tests {
         }
     }
 
-    impl DriverBus for Nothing {
+    impl MotorPower for Nothing {
         fn enable(&mut self, _on: MotorSet) {}
 
         // Nothing steps.
@@ -69,7 +72,18 @@ mod tests {
         fn wake_stepper(&self) {}
     }
 
-    type Machine<'m> = MainLoop<'m, Ports<Nothing, Nothing, Time<'m>, NoStorage, NoAccelerometer>, NoWake>;
+    impl<'t> PortSet for Time<'t> {
+        type Serial = Nothing;
+        type Motors = Nothing;
+        type Drivers = NoBus;
+        type Servo = NoServo;
+        type Board = AnyBoard;
+        type Clock = Self;
+        type Storage = NoStorage;
+        type Accelerometer = NoAccelerometer;
+    }
+
+    type Machine<'m> = MainLoop<'m, Time<'m>, NoWake>;
 
     /// The results of a main loop with the groups of a mechanism within a second after each of the changes.
     fn find(mechanism: &Mechanism, changes: &[fn(&mut Machine<'_>)]) -> Option<(u32, Cause)> {
@@ -84,9 +98,17 @@ mod tests {
         let link = Link::new(moves_in, &status, events_out.counts(&status), NoWake);
         let now = Cell::new(Instant::default());
         let serial: Lines<_> = [Nothing].into_iter().collect();
-        let ports =
-            Ports { serial, drivers: Nothing, clock: Time(&now), storage: NoStorage, accelerometer: NoAccelerometer };
-        let mut main_loop =
+        let ports = Ports {
+            serial,
+            motors: Nothing,
+            drivers: NoBus,
+            servo: NoServo,
+            board: AnyBoard,
+            clock: Time(&now),
+            storage: NoStorage,
+            accelerometer: NoAccelerometer,
+        };
+        let mut main_loop: Machine<'_> =
             MainLoop::new(&settings, None, (&mut memory, &mut hosts), orders_in, &groupings, link, ports);
         for change in changes {
             for ms in 0..=1000 {

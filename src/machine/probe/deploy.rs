@@ -9,7 +9,7 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::job::ProbeFailure;
-use crate::port::{EndstopSet, Wake};
+use crate::port::{EndstopSet, Servo, Wake};
 use crate::settings::ProbeKind;
 
 /// An order to a BLTouch: the length of the pulses in us, and the ms until it is obeyed (Marlin, `bltouch.h`).
@@ -76,7 +76,7 @@ pub(super) fn take_in_at_once<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, 
 /// Gives the servo an order.
 pub(in crate::machine) fn set_servo<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>, micros: Option<u16>) {
     main_loop.probing.note_servo(micros);
-    main_loop.power.servo(micros);
+    main_loop.servo.order(micros);
 }
 
 fn is_bltouch<P: PortSet, W: Wake>(main_loop: &MainLoop<'_, P, W>) -> bool {

@@ -8,7 +8,7 @@ use corehbot::app::Parts;
 use corehbot::kinematics::Groups;
 use corehbot::machine;
 use corehbot::motion::{self, StepCounts};
-use corehbot::port::{Coupling, DriverBus, MotorSet, NoAccelerometer, NoStorage, Wake};
+use corehbot::port::{AnyBoard, Coupling, MotorPower, MotorSet, NoAccelerometer, NoBus, NoServo, NoStorage, Wake};
 use corehbot::thermal::{self, PERIOD_MS};
 use corehbot_cortex_m4::Handover;
 use corehbot_rig::heat::Heat;
@@ -23,7 +23,20 @@ use super::serial::{self, UartSerial};
 use super::time::{self, BoardClock, StepTimer};
 use super::trace::{self, TracePort};
 
-type BoardPorts = machine::Ports<UartSerial, NoDrivers, BoardClock, NoStorage, NoAccelerometer>;
+/// The ports of this board, except the step ports.
+pub enum BoardPorts {}
+
+impl machine::PortSet for BoardPorts {
+    type Serial = UartSerial;
+    type Motors = Motors;
+    type Drivers = NoBus;
+    type Servo = NoServo;
+    type Board = AnyBoard;
+    type Clock = BoardClock;
+    type Storage = NoStorage;
+    type Accelerometer = NoAccelerometer;
+}
+
 /// The core with the ports of this board.
 pub type BoardParts = Parts<'static, TracePort, StepTimer, BoardPorts, Heat, BoardWake>;
 type Stepper = motion::Stepper<'static, TracePort, StepTimer, BoardWake>;
@@ -133,10 +146,10 @@ impl Wake for BoardWake {
     }
 }
 
-/// The emulated machine has no motor drivers.
-pub struct NoDrivers;
+/// The motors of the emulated machine, which always have power.
+pub struct Motors;
 
-impl DriverBus for NoDrivers {
+impl MotorPower for Motors {
     fn enable(&mut self, _on: MotorSet) {}
 
     fn couple(&mut self, coupling: &Coupling) {

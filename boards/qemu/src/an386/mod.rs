@@ -28,7 +28,7 @@ mod vectors;
 use corehbot::app::{self, Memory, StepPorts};
 use corehbot::kinematics::{Groups, MotorTable};
 use corehbot::machine::Ports;
-use corehbot::port::{Lines, NoAccelerometer, NoStorage};
+use corehbot::port::{AnyBoard, Lines, NoAccelerometer, NoBus, NoServo, NoStorage};
 use corehbot::settings::Settings;
 use corehbot::status::Status;
 use corehbot_rig::Rig;
@@ -82,7 +82,10 @@ fn start_up() -> &'static Status {
     let heat = Heat::new(&job.settings);
     let ports = Ports {
         serial: Lines::from_array([serial::UartSerial::new()]),
-        drivers: contexts::NoDrivers,
+        motors: contexts::Motors,
+        drivers: NoBus,
+        servo: NoServo,
+        board: AnyBoard,
         clock: time::BoardClock,
         storage: NoStorage,
         accelerometer: NoAccelerometer,

@@ -5,6 +5,7 @@ use super::program::Program;
 use super::rules::Motors;
 use super::trapezoid::Trapezoid;
 use super::{Limit, MadeMove, ShaperChange, Source};
+use crate::queue_log::QueueLog;
 use crate::slicer;
 use corehbot::kinematics::Grouping;
 use corehbot::motion::{Entry, Move, Taps, WHOLE, Work};
@@ -12,7 +13,6 @@ use corehbot::settings::{Axes, HomedAxis, Settings};
 use corehbot::status::Status;
 use corehbot::units::{Mm, Steps, TICKS_PER_SECOND};
 use corehbot_twin::math::powi;
-use std::cell::RefCell;
 use std::collections::VecDeque;
 
 /// A new name of a place that is no further from the place in mm is what a stop has left open; a greater difference is
@@ -119,10 +119,11 @@ impl Tap {
 
     /// The Console has had a turn, and this is queued since the last one. Mostly nothing has happened.
     #[inline]
-    pub fn after_console(&mut self, status: &Status, queued: &RefCell<Vec<Entry>>) {
+    pub fn after_console(&mut self, status: &Status, queued: &QueueLog) {
         let (planned, underruns) = (status.planned().0, status.overload().underruns);
-        if planned != self.planned || underruns != self.underruns || !queued.borrow().is_empty() {
-            self.note_turn(planned, underruns, queued.take());
+        let entries = queued.take();
+        if planned != self.planned || underruns != self.underruns || !entries.is_empty() {
+            self.note_turn(planned, underruns, entries);
         }
     }
 

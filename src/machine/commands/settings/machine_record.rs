@@ -14,7 +14,7 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::machine_pieces::{MachinePieces, PIECE};
-use crate::port::Wake;
+use crate::port::{BoardFacts, Wake};
 use crate::settings::Settings;
 use crate::storage::{Receipt, machine_in, record_of};
 
@@ -25,7 +25,7 @@ pub(in crate::machine) async fn exchange_machine<P: PortSet, W: Wake>(
     order: MachineRecord<'_>,
 ) -> Result<Answer<'static>, Interrupt> {
     Ok(Answer::Machine(match order {
-        MachineRecord::Get => match main_loop.power.refusal() {
+        MachineRecord::Get => match main_loop.board.refusal() {
             Some(why) => MachineAnswer::Refused(MachineRefusal::NoMachine(why)),
             None => report_pieces(main_loop, pieces).await?,
         },
@@ -67,7 +67,7 @@ fn machine_that_came<P: PortSet, W: Wake>(
     pieces: &MachinePieces,
 ) -> Result<Settings, MachineRefusal> {
     let machine = machine_in(pieces.record()).map_err(MachineRefusal::Record)?;
-    machine.check_connectors(main_loop.power.connectors()).map_err(MachineRefusal::Connectors)?;
+    machine.check_connectors(main_loop.board.connectors()).map_err(MachineRefusal::Connectors)?;
     Ok(machine)
 }
 
@@ -81,7 +81,7 @@ async fn store_machine<P: PortSet, W: Wake>(
         Ok(receipt) => receipt,
         Err(error) => return Ok(Err(MachineRefusal::Storage(error))),
     };
-    let counts = machine.is_built_as(&main_loop.settings) && main_loop.power.refusal().is_none();
+    let counts = machine.is_built_as(&main_loop.settings) && main_loop.board.refusal().is_none();
     pieces.is_stored = !counts;
     if counts {
         main_loop.use_settings(machine).await?;

@@ -10,7 +10,7 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::state::machine_pieces::MachinePieces;
-use crate::port::{Storage, StorageError, Wake};
+use crate::port::{BoardFacts, Storage, StorageError, Wake};
 use crate::settings::Settings;
 use crate::storage::{self, LONGEST, MeshFate, Receipt, SaveError, Survey};
 use crate::units::Mm;
@@ -96,7 +96,7 @@ pub(in crate::machine) async fn load_at_start<P: PortSet, W: Wake>(
         Err(StorageError::Absent) => return Ok(Answer::Nothing),
         Err(error) => return Ok(Answer::Storage(StorageNews::Unreadable(error))),
     };
-    if main_loop.power.refusal().is_some() {
+    if main_loop.board.refusal().is_some() {
         return Ok(Answer::Nothing);
     }
     if let Some(stored) = &survey.newest {
@@ -145,7 +145,7 @@ pub(in crate::machine) async fn save_settings<P: PortSet, W: Wake>(
     if pieces.is_stored {
         return Ok(StorageNews::MachineWaits);
     }
-    if let Some(why) = main_loop.power.refusal() {
+    if let Some(why) = main_loop.board.refusal() {
         return Ok(StorageNews::NoMachine(why));
     }
     let settings = *main_loop.settings;
@@ -204,7 +204,7 @@ pub(in crate::machine) async fn load_settings<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     pieces: &mut MachinePieces,
 ) -> Result<StorageNews, Interrupt> {
-    if let Some(why) = main_loop.power.refusal() {
+    if let Some(why) = main_loop.board.refusal() {
         return Ok(StorageNews::NotLoaded(why));
     }
     main_loop.finish().await?;

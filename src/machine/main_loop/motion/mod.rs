@@ -30,7 +30,7 @@ use crate::kinematics::{Grouping, Groupings, Groups};
 use crate::machine::release::policy::ReleasePolicy;
 use crate::machine::state::advance_in_use::AdvanceInUse;
 use crate::machine::state::position::RealPosition;
-use crate::motion::{Link, MoveMemory, Planner, SurfaceFrame, Work, surface_work};
+use crate::motion::{Link, MoveMemory, Planner, QueueObserver, SurfaceFrame, Work, surface_work};
 use crate::motors::MOST_GROUPS;
 use crate::port::Wake;
 use crate::settings::{AxisSettings, Settings};
@@ -67,6 +67,11 @@ impl<'m, W: Wake> Motion<'m, W> {
             has_followed: false,
             babystep: Babystep::default(),
         }
+    }
+
+    /// This one sees each entry before it is queued.
+    pub fn observe(&mut self, observer: &'m dyn QueueObserver) {
+        self.link.observe(observer);
     }
 
     /// Whether no motion was requested since the start.

@@ -1,0 +1,28 @@
+//! Facts of the board that the core asks for.
+
+use corehbot::connectors::BoardConnectors;
+use corehbot::port::BoardFacts;
+
+use crate::supply;
+
+/// This board.
+pub struct ThisBoard {
+    /// Its connectors.
+    pub connectors: &'static BoardConnectors,
+    /// Why no motor gets power, if that is so.
+    pub refusal: Option<&'static str>,
+}
+
+impl BoardFacts for ThisBoard {
+    fn connectors(&self) -> &'static BoardConnectors {
+        self.connectors
+    }
+
+    fn refusal(&self) -> Option<&'static str> {
+        self.refusal
+    }
+
+    fn warning(&self) -> Option<&'static str> {
+        supply::warning()
+    }
+}

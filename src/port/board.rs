@@ -1,0 +1,42 @@
+//! Facts of the board, and its servo.
+
+use crate::connectors::BoardConnectors;
+
+/// Facts of the board. The default methods describe a board with any connectors and no trouble.
+pub trait BoardFacts {
+    /// The board's connectors.
+    fn connectors(&self) -> &'static BoardConnectors {
+        &BoardConnectors::ANY
+    }
+
+    /// Why no motor may have power, independent of its driver: the board has no machine, or one for another board.
+    fn refusal(&self) -> Option<&'static str> {
+        None
+    }
+
+    /// A warning for M122 about this board's protection of its outputs, if it does not work.
+    fn warning(&self) -> Option<&'static str> {
+        None
+    }
+}
+
+/// A board with any connectors and no trouble.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct AnyBoard;
+
+impl BoardFacts for AnyBoard {}
+
+/// The line to a servo, which moves the pin of a BLTouch.
+pub trait Servo {
+    /// Gives an order: pulses of so many us, every 20 ms, five of them at least. Then the line stays low. `None` ends an
+    /// order at once. A later order replaces an earlier one.
+    fn order(&mut self, micros: Option<u16>);
+}
+
+/// For machines without a servo.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoServo;
+
+impl Servo for NoServo {
+    fn order(&mut self, _micros: Option<u16>) {}
+}
