@@ -22,9 +22,9 @@ mod config;
 mod digest;
 mod examples;
 mod image;
+mod recorder_threads;
 mod resonance;
 mod run;
 #[cfg(unix)]
 mod serve;
-mod sinks;
 mod twin;

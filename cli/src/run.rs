@@ -1,7 +1,7 @@
 //! `corehbot run`: prints a file as fast as it can be computed, and judges every step.
 
 use crate::digest::RingSha256;
-use crate::sinks::{Done, Judges, Out, Relay, Scratch, Writers};
+use crate::recorder_threads::{Done, Judges, Out, Relay, Scratch, Writers};
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use corehbot::port::NoStorage;
@@ -19,7 +19,7 @@ use corehbot_host::status::{DONE, FAILED};
 use corehbot_host::stop::Stop;
 use corehbot_machine_file::Machine;
 use corehbot_machine_file::printable;
-use corehbot_report::ended::Ended;
+use corehbot_report::finished_print::Ended;
 use corehbot_report::moves::{Moves, StoredMoves};
 use corehbot_report::path::{Stored, ToolPath};
 use corehbot_report::print;

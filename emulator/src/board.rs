@@ -1,6 +1,6 @@
 //! The emulated board: an STM32F427 model in place of the F446, with the parts that the board connects to its pins.
 //!
-//! The F427 is the same family with more of everything; `gaps` lists the differences that are used.
+//! The F427 is the same family with more of everything; `unmodelled_accesses` lists the differences that are used.
 //! [`Firmware`](crate::firmware::Firmware) makes sure that nothing is placed in memory that the F446 lacks.
 
 use crate::cable::Plug;
@@ -10,10 +10,10 @@ use crate::eeprom::At24c32;
 use crate::flash::FlashSectors;
 use crate::line::HostLine;
 use crate::sensor::Sensor;
+use crate::translation_cache;
 use crate::usb_habits::UsbHabits;
 use crate::usb_line::UsbLine;
 use crate::usbip::UsbIp;
-use crate::warm;
 use crate::wiring::{HostPort, Load, PORTS, Pin, RAIL, ROOM, SettingsMemory, Wiring};
 use anyhow::{Context, Result, ensure};
 use rigless::cpu::armv7m::windows;
@@ -297,7 +297,7 @@ fn core(mcu: &Chip) -> CoreSpec {
         boot: "flash",
     };
     let mut spec = core.spec_with_parts(&windows(mcu.bus()), armv7m::Fpu::FpV4Sp, armv7m::MpuRegions::Eight);
-    warm::share_translations(&mut spec);
+    translation_cache::share_translations(&mut spec);
     spec
 }
 

@@ -4,7 +4,7 @@
 //! virtual time. For each of them the run stops between two instructions.
 
 use crate::board::{Emulated, Port};
-use crate::hearing::{Heard, Hearing};
+use crate::uart_decoder::{Heard, Hearing};
 use crate::wiring::{PORTS, Pin, Wiring};
 use corehbot::motors::{MOTORS, Motor, MotorSet};
 use corehbot_sim::tmc2209::Tmc2209;

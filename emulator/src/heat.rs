@@ -12,8 +12,8 @@ use corehbot::settings::Settings;
 use corehbot_rig::heat::Heat;
 use corehbot_rig::plant::PlantFaults;
 use corehbot_sim::accident::Accident;
-use corehbot_sim::hand::WARM;
 use corehbot_sim::heat_plant::HeatSetup;
+use corehbot_sim::user_actions::WARM;
 use rigless::time::VirtualNanos;
 use std::collections::VecDeque;
 

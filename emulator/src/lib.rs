@@ -5,7 +5,8 @@
 //! lines ([`mod@line`]), and an accelerometer ([`sensor`], [`sensor_bus`]). The firmware feels the endstops of the
 //! simulated machine, the host simulator's ([`mechanics`]). In place of a scripted host, a real one may come through a
 //! pseudo-terminal ([`terminal`]). A stand-in for its [`bootloader`] runs before the image. The record ([`steps`],
-//! [`safety`], [`clock_rules`], [`gaps`]) is then compared with the steps of the host simulator ([`compare`]).
+//! [`safety`], [`clock_rules`], [`unmodelled_accesses`]) is then compared with the steps of the host simulator
+//! ([`compare`]).
 //!
 //! README.md lists the limits of the emulator. Nothing is here without the feature `processor`.
 #![cfg(feature = "processor")]
@@ -24,10 +25,8 @@ pub mod eeprom;
 pub mod firmware;
 pub mod flash;
 pub mod flash_interface;
-pub mod gaps;
-pub mod hearing;
+pub mod half_periods;
 pub mod heat;
-pub mod laps;
 pub mod line;
 pub mod loads;
 pub mod mechanics;
@@ -41,12 +40,14 @@ pub mod steps;
 pub mod terminal;
 pub mod tick;
 pub mod timer;
+mod translation_cache;
 pub mod trap;
+pub mod uart_decoder;
+pub mod unmodelled_accesses;
 pub mod usb_discovery;
 pub mod usb_habits;
 pub mod usb_line;
 pub mod usb_port;
 pub mod usbip;
-mod warm;
 pub mod watch;
 pub mod wiring;

@@ -14,8 +14,8 @@ use corehbot_rig::Rig;
 use corehbot_rig::bed::BedPlant;
 use corehbot_sim::belt::figures::BeltFigures;
 use corehbot_sim::belt::{BeltPlant, BeltSetup, Chips};
-use corehbot_sim::plugs::Plugs;
 use corehbot_sim::tmc2209::Tmc2209;
+use corehbot_sim::wiring_mistakes::Plugs;
 
 /// How often switches are checked while the belt's tool is near one: at 20 mm/s it goes 0.2 um.
 const LOOK_NS: u64 = 10_000;

@@ -27,7 +27,7 @@ const G: f64 = 9806.65;
 
 /// A trouble with the sensor.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Trouble {
+pub enum SensorTrouble {
     /// Its plug comes off: the line from it is pulled up.
     Unplugged,
     /// The supply drops for a moment: its registers are as after power came.
@@ -62,7 +62,7 @@ pub struct Sensor {
     /// What it feels, besides gravity along z.
     pub vibration: Vibration,
     /// A trouble, and its time in ns after the first start.
-    pub trouble: Option<(u64, Trouble)>,
+    pub trouble: Option<(u64, SensorTrouble)>,
     /// What the firmware did against the data sheet, each once.
     pub breaches: Vec<&'static str>,
     /// Registers and values that were written.
@@ -143,7 +143,7 @@ impl Sensor {
     }
 
     /// The trouble that it has at `at` ns.
-    fn trouble_at(&self, at: u64) -> Option<Trouble> {
+    fn trouble_at(&self, at: u64) -> Option<SensorTrouble> {
         let (after, trouble) = self.trouble?;
         (at >= self.started? + after).then_some(trouble)
     }
@@ -186,7 +186,7 @@ impl Sensor {
                 Kind::Lis2dw12 => ((felt / 4.785_645 / 4.0).round().clamp(-8192.0, 8191.0) * 4.0) as i16,
             };
         }
-        if let Some(Trouble::Stuck(axis)) = self.trouble_at(at) {
+        if let Some(SensorTrouble::Stuck(axis)) = self.trouble_at(at) {
             axes[axis] = 77;
         }
         axes
@@ -200,7 +200,7 @@ impl Sensor {
 
     /// Makes the samples up to `now`.
     fn advance(&mut self, now: u64) {
-        if self.trouble_at(now) == Some(Trouble::Restarted) {
+        if self.trouble_at(now) == Some(SensorTrouble::Restarted) {
             self.trouble = None;
             self.power();
         }
@@ -331,7 +331,7 @@ impl Peer for Sensor {
         if bits != 8 {
             self.breach("a frame has not eight bits");
         }
-        if self.trouble_at(now) == Some(Trouble::Unplugged) {
+        if self.trouble_at(now) == Some(SensorTrouble::Unplugged) {
             return 0xFF;
         }
         let byte = mosi as u8;

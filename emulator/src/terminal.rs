@@ -14,7 +14,7 @@ use crate::tick::NS_PER_TICK;
 use anyhow::Result;
 use corehbot_host::serial::{Hand, Pace, Port, Speed};
 use corehbot_host::stop::Stop;
-use corehbot_sim::hand::Act;
+use corehbot_sim::user_actions::Act;
 use std::time::{Duration, Instant};
 
 /// An answer that takes less is no wait, in ns of emulated time: a host that asks again and again sees time go on.

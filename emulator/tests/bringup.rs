@@ -13,7 +13,7 @@ use corehbot_host::serial::{Hand, Port, Speed};
 use corehbot_host::stop::Stop;
 use corehbot_machine_file as machine_file;
 use corehbot_sim::heat_plant::HeatSetup;
-use corehbot_sim::plugs::Plugs;
+use corehbot_sim::wiring_mistakes::Plugs;
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};

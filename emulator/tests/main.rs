@@ -1,4 +1,4 @@
-//! Tests of the images, in one program: tests share translations of an image (`src/warm.rs`).
+//! Tests of the images, in one program: tests share translations of an image (`src/translation_cache.rs`).
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod accelerometer;

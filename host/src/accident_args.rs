@@ -7,7 +7,7 @@ use clap::error::Error;
 use clap::{Arg, Command};
 use corehbot::settings::Settings;
 use corehbot_sim::accident::{GRAMMAR, words};
-use corehbot_sim::asked::Breaks;
+use corehbot_sim::options::Breaks;
 use std::ffi::OsStr;
 
 /// What breaks, and when.

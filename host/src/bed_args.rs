@@ -4,7 +4,7 @@ use anyhow::Result;
 use clap::Args;
 use corehbot::settings::Settings;
 use corehbot_rig::bed::BedPlant;
-use corehbot_sim::asked;
+use corehbot_sim::options;
 
 /// The bed under the nozzle, on a machine with a probe.
 #[derive(Args)]
@@ -21,6 +21,6 @@ impl BedArgs {
     /// # Errors
     /// No such bed, or no probe that could find it.
     pub fn plant(&self, settings: &Settings) -> Result<Option<Box<BedPlant>>> {
-        Ok(self.bed.as_deref().map(|text| asked::bed(text, settings)).transpose()?)
+        Ok(self.bed.as_deref().map(|text| options::bed(text, settings)).transpose()?)
     }
 }

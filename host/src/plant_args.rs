@@ -4,8 +4,8 @@ use anyhow::Result;
 use clap::{Args, ValueEnum};
 use corehbot::units::Mm;
 use corehbot_machine_file::Machine;
-use corehbot_sim::asked::{Belts, Breaks};
 use corehbot_sim::belt::{BeltPlant, BeltSetup};
+use corehbot_sim::options::{Belts, Breaks};
 use corehbot_twin::description::Description;
 
 /// The plant in place of the machine.

@@ -7,8 +7,8 @@ use corehbot::settings::Settings;
 use corehbot::units::Mm;
 use corehbot_machine_file::file_kind::Wanted;
 use corehbot_machine_file::{self as machine_file, Machine};
-use corehbot_sim::asked;
 use corehbot_sim::eeprom::Eeprom;
+use corehbot_sim::options;
 use corehbot_twin::description::Description;
 use std::path::{Path, PathBuf};
 
@@ -26,7 +26,7 @@ pub struct Printer {
     #[arg(long, value_name = "E.bin")]
     storage: Option<PathBuf>,
     /// Starts as if homed, with the tool at this place in mm.
-    #[arg(long, value_name = "X,Y,Z", value_parser = asked::place, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y,Z", value_parser = options::place, allow_hyphen_values = true)]
     pub assume_homed: Option<[Mm; 3]>,
 }
 

@@ -7,9 +7,9 @@ use corehbot::units::Mm;
 use corehbot_machine_file::{self as machine_file, Machine};
 use corehbot_rig::bed::BedPlant;
 use corehbot_sim::accident::{Accident, ROWS};
-use corehbot_sim::asked::{self, Belts, Breaks, Refusal};
 use corehbot_sim::belt::BeltPlant;
 use corehbot_sim::heat_plant::HeatSetup;
+use corehbot_sim::options::{self, Belts, Breaks, Refusal};
 use corehbot_twin::description::Description;
 use serde::{Deserialize, Serialize};
 
@@ -135,7 +135,7 @@ impl Job {
     }
 
     fn homed(&self) -> Result<Option<[Mm; 3]>, Refusal> {
-        let place = |text| asked::place(text).map_err(|why| Refusal::new("assume-homed", text, &why));
+        let place = |text| options::place(text).map_err(|why| Refusal::new("assume-homed", text, &why));
         self.homed.as_deref().map(place).transpose()
     }
 
@@ -167,7 +167,7 @@ impl Job {
     }
 
     fn bed(&self, settings: &Settings) -> Result<Option<Box<BedPlant>>, Refusal> {
-        self.bed.as_deref().map(|text| asked::bed(text, settings)).transpose()
+        self.bed.as_deref().map(|text| options::bed(text, settings)).transpose()
     }
 }
 

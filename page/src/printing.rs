@@ -6,7 +6,7 @@ use anyhow::{Context as _, Result};
 use corehbot::motors::MotorSet;
 use corehbot::port::NoStorage;
 use corehbot::units::{Mm, TICKS_PER_SECOND};
-use corehbot_report::ended::Ended;
+use corehbot_report::finished_print::Ended;
 use corehbot_report::heat_log::HeatLog;
 use corehbot_report::moves::Moves;
 use corehbot_report::path::ToolPath;

@@ -16,7 +16,7 @@ use corehbot::units::{Mm, TICKS_PER_MS, TICKS_PER_SECOND};
 use corehbot_machine_file::Machine;
 use corehbot_sim::accident::Accident;
 use corehbot_sim::drivers::Drivers;
-use corehbot_sim::hand::{self, Act};
+use corehbot_sim::user_actions::{self, Act};
 use corehbot_sim::world::{Desk, Sink, World};
 use serde::Serialize;
 use std::cell::{Cell, RefCell};
@@ -39,7 +39,7 @@ enum Event {
 /// The words of all that hands do, as JSON.
 #[must_use]
 pub fn hands() -> String {
-    serde_json::to_string(&hand::ACTS.map(|(words, _)| words)).unwrap_or_default()
+    serde_json::to_string(&user_actions::ACTS.map(|(words, _)| words)).unwrap_or_default()
 }
 
 /// A heater that is fitted.

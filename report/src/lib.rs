@@ -6,7 +6,7 @@
 //! | file | job |
 //! |---|---|
 //! | [`summary`] | the result of a print, in words and as JSON |
-//! | [`ended`] | a print that is over: its summary from the parts of the simulator |
+//! | [`finished_print`] | a print that is over: its summary from the parts of the simulator |
 //! | [`fault`] | why a print failed, and what to do |
 //! | [`sums`] | time and filament of a print by type of line, layer and limit |
 //! | [`heat_log`] | temperatures and duties over a print |
@@ -22,8 +22,8 @@
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
-pub mod ended;
 pub mod fault;
+pub mod finished_print;
 pub mod heat_log;
 mod layers;
 pub mod mesh;

@@ -21,12 +21,12 @@ use crate::machine::commands::settings::kept_mesh::take_mesh_to_use;
 use crate::machine::commands::settings::stored::{load_at_start, note_self_test};
 use crate::machine::commands::states::States;
 use crate::machine::commands::table;
-use crate::machine::hosts::asked::Asked;
 use crate::machine::hosts::host::{HostMemory, Text};
+use crate::machine::hosts::request::Request;
 use crate::machine::interrupt::{Interrupt, Restart};
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::halted::stay_halted;
-use crate::machine::main_loop::hear::{self, end_line, set_aside, take_answer};
+use crate::machine::main_loop::input::{self, end_line, set_aside, take_answer};
 use crate::machine::main_loop::limp::limp;
 use crate::machine::main_loop::surface::{keep_to_surface, lay_mesh};
 use crate::machine::main_loop::trim::{end_buzz, end_trim};
@@ -126,7 +126,7 @@ impl<'m, P: PortSet, W: Wake> Console<'m, P, W> {
             main_loop.reply(Answer::Ok).await?;
             end_line(&mut main_loop.hosts, &mut main_loop.pauses);
         }
-        if hear::take_up(&mut main_loop.hosts, &mut main_loop.job).is_some() {
+        if input::take_up(&mut main_loop.hosts, &mut main_loop.job).is_some() {
             main_loop.hosts.notify_all(text!("{}", Action::PromptEnd));
             main_loop.reply(Answer::Ok).await?;
             end_line(&mut main_loop.hosts, &mut main_loop.pauses);
@@ -157,24 +157,24 @@ impl<'m, P: PortSet, W: Wake> Console<'m, P, W> {
                 continue;
             };
             let answer = match asked {
-                Asked::Command => {
+                Request::Command => {
                     // Not `map_err`, which copies the answer.
                     match carry_out(main_loop, states, &table::parse(&text)).await {
                         Ok(answer) => answer,
                         Err(interrupt) => return Err(tell_of_end(main_loop, interrupt, &text)),
                     }
                 }
-                Asked::Nothing => Answer::Nothing,
-                Asked::LineNumber(number) => {
+                Request::Nothing => Answer::Nothing,
+                Request::LineNumber(number) => {
                     states.begin_print();
                     if number.is_none() {
                         begin_another(main_loop, &mut states.modal).await?;
                     }
                     Answer::LineNumber(number)
                 }
-                Asked::TooLong => Answer::TooLong,
-                Asked::Question(last) => Answer::Question(last),
-                Asked::Resend(reason, last) => Answer::Resend(reason, last),
+                Request::TooLong => Answer::TooLong,
+                Request::Question(last) => Answer::Question(last),
+                Request::Resend(reason, last) => Answer::Resend(reason, last),
             };
             if let Some(lines) = main_loop.hosts.upload_given_up() {
                 main_loop.tell(Answer::UploadEnded(lines));
@@ -244,7 +244,7 @@ async fn take_up<'a, P: PortSet, W: Wake>(
     text: &'a [u8],
     answered: Answered,
 ) -> Result<Option<Answer<'a>>, Interrupt> {
-    let Some(kept) = hear::take_up(&mut main_loop.hosts, &mut main_loop.job) else { return Ok(None) };
+    let Some(kept) = input::take_up(&mut main_loop.hosts, &mut main_loop.job) else { return Ok(None) };
     let answer = match go_on_with(main_loop, states, kept, answered).await {
         Ok(Some(true)) => match carry_out(main_loop, states, &table::parse(text)).await {
             Ok(answer) => answer,

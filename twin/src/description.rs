@@ -5,7 +5,7 @@
 //! turns its motor as a bar does.
 
 use crate::params::{Params, Parts, ROWS};
-use crate::routing::own::Row;
+use crate::routing::separate_belts::Row;
 use crate::routing::{Machine, Own};
 
 /// A machine's belts and numbers.

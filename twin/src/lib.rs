@@ -28,7 +28,7 @@
 //! | [`steps`] | the commanded steps: a trace, and the motor of each of its columns |
 //! | [`contour`] | the commanded line of the tool, and its distance from the tool |
 //! | [`run`] | a played trace and its report |
-//! | [`live`] | a machine that takes steps as they are made, with power, pushes and skips |
+//! | [`stepped_machine`] | a machine that takes steps as they are made, with power, pushes and skips |
 //!
 //! Misprints of the papers and their corrections: docs/research/twin.md.
 #![forbid(unsafe_code)]
@@ -39,7 +39,6 @@ pub mod contour;
 pub mod description;
 pub mod dynamics;
 pub mod geometry;
-pub mod live;
 pub mod math;
 pub mod model;
 pub mod params;
@@ -50,5 +49,6 @@ pub mod routing;
 pub mod run;
 pub mod shaping;
 pub mod solve;
+pub mod stepped_machine;
 pub mod steps;
 pub mod torque;

@@ -3,13 +3,13 @@
 //! [`ROWS`] has a row for each: key, nominal value, meaning and source. A machine file has them in its table
 //! `[twin]`. Frequencies are proportional to the root of stiffness over mass.
 
-mod each;
+mod per_part;
 mod row;
 mod rows;
 mod serial;
 mod unit;
 
-pub use each::{Each, MOST_PARTS};
+pub use per_part::{Each, MOST_PARTS};
 pub use row::{Field, Parts, Range, Row};
 pub use rows::ROWS;
 pub use unit::split_unit;

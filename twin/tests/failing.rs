@@ -1,10 +1,10 @@
 //! Parts that fail in a running machine: a jumped tooth, broken cords, a seized idler, a loose pulley. Against numbers
 //! by hand.
 
-use corehbot_twin::live::Live;
-use corehbot_twin::live::failing::idlers_of;
 use corehbot_twin::params::Params;
 use corehbot_twin::routing::{Machine, Own, Place};
+use corehbot_twin::stepped_machine::Live;
+use corehbot_twin::stepped_machine::failing::idlers_of;
 
 const MS: u64 = 10_000;
 

@@ -1,11 +1,11 @@
 //! A machine in the loop: power-up, pushes, brakes and skips, against figures of an independent computation.
 
-use corehbot_twin::live::{Live, phases_mm};
 use corehbot_twin::model::elastic::Freedom;
 use corehbot_twin::params::Params;
 use corehbot_twin::queries::Setup;
 use corehbot_twin::queries::slip::Slip;
 use corehbot_twin::routing::{Machine, Place};
+use corehbot_twin::stepped_machine::{Live, phases_mm};
 
 const CENTRE: Place = Place::flat(235.0, 235.0);
 const MS: u64 = 10_000;

@@ -3,7 +3,8 @@
 //! Plain code without a clock: a timer ticks, and this code says the wire's next action and the time of the next tick.
 //! While sending, a bit is one tick. While listening, the line is sampled [`OVERSAMPLING`] times a bit until a start
 //! bit is seen, and then once in the middle of each bit. Every exchange ends by itself after a time that is known at
-//! its begin, regardless of the line. The exception is a masked interrupt (`storm`): then the machine has stopped.
+//! its begin, regardless of the line. The exception is a masked interrupt (`interrupt_storm`):
+//! the machine has stopped then.
 //!
 //! A bit at [`BAUD`] lasts 52 us. A tick that is late by J moves one edge or sample, but no later tick, because the
 //! timer runs on. The budget is half a bit, 26 us:

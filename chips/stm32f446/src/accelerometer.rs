@@ -32,9 +32,9 @@ use embassy_stm32::pac::{DMA1, Interrupt, RCC, SPI3, TIM6};
 use heapless::spsc::{Consumer, Producer, Queue};
 use static_cell::ConstStaticCell;
 
+use crate::interrupt_storm::{CallRate, count_call};
 use crate::ports::{self, Speed};
 use crate::resources::{SENSOR_INPUT, SENSOR_OUTPUT, SPI_FUNCTION};
-use crate::storm::{CallRate, count_call};
 use crate::wiring::SensorPins;
 
 /// Counts of TIM6 in a timer event: of 90 MHz (RM0390, 6.2: clocks of the timers) over 90.

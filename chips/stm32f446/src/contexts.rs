@@ -18,7 +18,7 @@ use crate::handles::{Console, StepGenerator, ThermalControl};
 use crate::host_serial::HostSerial;
 use crate::usb::{self, UsbPort};
 use crate::wake::IrqWake;
-use crate::{fault, heater_timer, pin_scrub, priorities, reset_reason, storm, time, watchdog};
+use crate::{fault, heater_timer, interrupt_storm, pin_scrub, priorities, reset_reason, time, watchdog};
 
 static GENERATOR: Handover<&'static mut StepGenerator> = Handover::new();
 static THERMAL: Handover<(&'static mut ThermalControl, &'static Status)> = Handover::new();
@@ -91,7 +91,7 @@ async fn talk(talker: &'static mut (Lines<HostSerial>, Message)) {
         lines.iter_mut().for_each(|line| _ = line.send(message.as_bytes()));
         for _ in 0..40 {
             // A line that was masked is not heard again before a reset.
-            if storm::fault().is_none() {
+            if interrupt_storm::fault().is_none() {
                 watchdog::feed();
             }
             for (line, last) in lines.iter_mut().zip(&mut heard) {
@@ -130,7 +130,7 @@ fn CAN2_SCE() {
 fn TIM5() {
     heater_timer::acknowledge();
     THERMAL.with(|(thermal, status)| {
-        if let Some(fault) = storm::fault() {
+        if let Some(fault) = interrupt_storm::fault() {
             status.fault().set(fault);
         }
         thermal.period();

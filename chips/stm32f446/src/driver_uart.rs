@@ -20,8 +20,8 @@ use embassy_stm32::pac::{Interrupt, RCC, TIM8};
 
 use crate::clocks::APB2_TIMER_HZ;
 use crate::console_waker::wake_console;
+use crate::interrupt_storm::{CallRate, count_call};
 use crate::ports::{self, Registers};
-use crate::storm::{CallRate, count_call};
 use crate::wiring::{Board, Pin};
 use corehbot_board_support::exchange::{Action, BAUD, Exchange, OVERSAMPLING};
 

@@ -6,7 +6,7 @@ use corehbot::fault::{Cause, Fault};
 use cortex_m::peripheral::SCB;
 use cortex_m_rt::exception;
 
-use crate::calls::{Calls, word};
+use crate::panic_path::{Calls, word};
 use crate::{reset_reason, safe_levels, stack_guard};
 
 /// The part of CFSR about the MPU (ARM DDI 0403E, B3.2.15).
@@ -53,8 +53,8 @@ pub fn give_up(cause: Cause, reason: &str) -> ! {
     end((cause, 0, 0), format_args!("{reason}"))
 }
 
-/// The place and the message of a panic are not read ([`calls`](crate::calls)). The values are the second and the third
-/// call: the first one is the core library's own.
+/// The place and the message of a panic are not read ([`panic_path`](crate::panic_path)). The values are the second and
+/// the third call: the first one is the core library's own.
 #[panic_handler]
 #[inline(never)]
 fn on_panic(_: &PanicInfo<'_>) -> ! {

@@ -32,7 +32,7 @@ pub mod heater_pulses;
 pub mod resources;
 
 #[cfg(any(test, target_os = "none"))]
-mod storm;
+mod interrupt_storm;
 
 #[cfg(target_os = "none")]
 mod accelerometer;
@@ -45,8 +45,6 @@ mod board_facts;
 mod board_storage;
 #[cfg(target_os = "none")]
 mod bus;
-#[cfg(target_os = "none")]
-mod calls;
 #[cfg(target_os = "none")]
 mod clocks;
 #[cfg(target_os = "none")]
@@ -82,6 +80,8 @@ mod motor_power;
 mod narrow_heaters;
 #[cfg(target_os = "none")]
 mod otg;
+#[cfg(target_os = "none")]
+mod panic_path;
 #[cfg(target_os = "none")]
 mod pin_scrub;
 #[cfg(target_os = "none")]

@@ -9,9 +9,9 @@ use embassy_stm32::pac::{self, RCC};
 use embassy_stm32::{interrupt, pac::Interrupt};
 use embassy_sync::blocking_mutex::raw::CriticalSectionRawMutex;
 
+use crate::interrupt_storm::{CallRate, count_call};
 use crate::ports::{self, Speed};
 use crate::resources::USB_FUNCTION;
-use crate::storm::{CallRate, count_call};
 use crate::wiring::USB;
 
 /// The interrupt of the port.

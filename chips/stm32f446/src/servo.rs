@@ -22,8 +22,8 @@ use embassy_stm32::interrupt;
 use embassy_stm32::pac::timer::vals::Urs;
 use embassy_stm32::pac::{Interrupt, RCC, TIM3};
 
+use crate::interrupt_storm::{self, CallRate};
 use crate::ports;
-use crate::storm::{self, CallRate};
 use crate::wiring::Pin;
 
 /// The interrupt.
@@ -150,6 +150,6 @@ fn set_end(counts: u16) {
 fn TIM3() {
     static RATE: CallRate = CallRate::new();
     LINE.with(Line::turn);
-    storm::count_call(Interrupt::TIM3, &RATE);
+    interrupt_storm::count_call(Interrupt::TIM3, &RATE);
     finish_stores();
 }

@@ -17,8 +17,8 @@ use corehbot_cortex_m4::{Handover, finish_stores};
 use embassy_stm32::interrupt;
 use embassy_stm32::pac::{Interrupt, RCC, TIM7};
 
+use crate::interrupt_storm::{CallRate, count_call};
 use crate::ports;
-use crate::storm::{CallRate, count_call};
 use crate::wiring::Input;
 
 /// The interrupt of the look.

@@ -14,10 +14,10 @@ use heapless::spsc::{Consumer, Producer, Queue};
 use static_cell::ConstStaticCell;
 
 use crate::console_waker::wake_console;
+use crate::interrupt_storm::{CallRate, count_call};
 use crate::ports;
 use crate::receiver::Receiver;
 use crate::resources::{self, USART_FUNCTION};
-use crate::storm::{CallRate, count_call};
 use crate::wiring::{SerialPort, Usart};
 use corehbot_board_support::receiver_flags::{self, Flags, News, Receiving};
 use corehbot_board_support::ring::Ring;

@@ -1,11 +1,11 @@
 //! First layer: what comes after the guide, in words.
 
 use super::guide::{Found, Guide};
-use super::trouble::Trouble;
+use super::step_error::StepError;
 use corehbot::kinematics::Residuals;
 use corehbot::settings::AxisEnd;
 
-pub(super) fn run(guide: &mut Guide) -> Result<Found, Trouble> {
+pub(super) fn run(guide: &mut Guide) -> Result<Found, StepError> {
     let mut found = Found::default();
     let s = &guide.machine;
     let (z, bed) = (s.endstops.z, s.bed);

@@ -1,7 +1,7 @@
 //! The board: lines to it, its answers, and how it is brought to rest.
 
 use super::owner::Owner;
-use super::trouble::Trouble;
+use super::step_error::StepError;
 use corehbot_host::serial::SerialLine;
 use corehbot_machine_file::printable;
 use std::path::{Path, PathBuf};
@@ -45,12 +45,12 @@ impl Board {
     }
 
     /// The answer to a line, without its `ok`.
-    pub fn ask(&mut self, line: &str, owner: &Owner) -> Result<Vec<String>, Trouble> {
+    pub fn ask(&mut self, line: &str, owner: &Owner) -> Result<Vec<String>, StepError> {
         self.ask_and(line, owner, |_, _| Ok(()))
     }
 
     /// The same while motors move: Enter stops everything with M112.
-    pub fn ask_watched(&mut self, line: &str, owner: &Owner) -> Result<Vec<String>, Trouble> {
+    pub fn ask_watched(&mut self, line: &str, owner: &Owner) -> Result<Vec<String>, StepError> {
         self.ask_and(line, owner, |board, _| {
             if owner.has_interrupted() {
                 board.port.write(b"M112\n")?;
@@ -64,8 +64,8 @@ impl Board {
         &mut self,
         line: &str,
         owner: &Owner,
-        mut meanwhile: impl FnMut(&mut Self, Option<&str>) -> Result<(), Trouble>,
-    ) -> Result<Vec<String>, Trouble> {
+        mut meanwhile: impl FnMut(&mut Self, Option<&str>) -> Result<(), StepError>,
+    ) -> Result<Vec<String>, StepError> {
         self.port.write(format!("{line}\n").as_bytes())?;
         self.last = Instant::now();
         let mut heard = Vec::new();
@@ -83,11 +83,11 @@ impl Board {
                 if is_halt(&line) {
                     // The line before has the fault, if there is one.
                     let why = heard.iter().rev().find(|line: &&String| line.starts_with("Error:")).unwrap_or(&line);
-                    return Err(Trouble::Halted(why.trim_start_matches("Error:").to_owned()));
+                    return Err(StepError::Halted(why.trim_start_matches("Error:").to_owned()));
                 }
                 if line.starts_with(GREETING) {
                     let reason = heard.iter().find_map(|line: &String| line.strip_prefix(REASON));
-                    return Err(Trouble::Restarted(reason.unwrap_or("it does not say why").to_owned()));
+                    return Err(StepError::Restarted(reason.unwrap_or("it does not say why").to_owned()));
                 }
                 meanwhile(self, Some(&line))?;
                 if !line.starts_with("echo:busy") {
@@ -98,19 +98,19 @@ impl Board {
     }
 
     /// Sends a line and leaves its answer to whoever asks next.
-    pub fn tell(&self, line: &str) -> Result<(), Trouble> {
+    pub fn tell(&self, line: &str) -> Result<(), StepError> {
         Ok(self.port.write(format!("{line}\n").as_bytes())?)
     }
 
     /// Lines that have come; nothing heard for long is an error.
-    fn hear(&mut self) -> Result<Vec<String>, Trouble> {
+    fn hear(&mut self) -> Result<Vec<String>, StepError> {
         let mut bytes = [0; 512];
         let count = self.port.read(&mut bytes)?;
         if count > 0 {
             self.last = Instant::now();
         } else if self.last.elapsed() > self.patience {
             let (path, seconds) = (self.path.display(), self.patience.as_secs());
-            return Err(Trouble::Lost(format!("nothing on {path} at {} baud for {seconds} s", self.baud)));
+            return Err(StepError::Lost(format!("nothing on {path} at {} baud for {seconds} s", self.baud)));
         }
         let mut lines = Vec::new();
         for byte in bytes.iter().take(count) {
@@ -126,7 +126,7 @@ impl Board {
 
     /// Throws away what the board says by itself, until it has been silent for a while. A USB port that has gone with
     /// a reset comes back meanwhile.
-    pub fn drain(&mut self, owner: &Owner) -> Result<(), Trouble> {
+    pub fn drain(&mut self, owner: &Owner) -> Result<(), StepError> {
         let (begin, mut quiet) = (Instant::now(), Instant::now());
         while quiet.elapsed() < QUIET {
             owner.look_at_stop()?;
@@ -140,7 +140,7 @@ impl Board {
     }
 
     /// Lines that have come, however long the silence. A port that is gone is opened again, for the next time.
-    fn hear_again(&mut self) -> Result<Vec<String>, Trouble> {
+    fn hear_again(&mut self) -> Result<Vec<String>, StepError> {
         self.last = Instant::now();
         let heard = self.hear();
         if heard.is_err() {
@@ -154,7 +154,7 @@ impl Board {
     }
 
     /// Restarts a firmware that has stopped everything.
-    pub fn restart(&mut self, owner: &Owner) -> Result<(), Trouble> {
+    pub fn restart(&mut self, owner: &Owner) -> Result<(), StepError> {
         self.port.write(b"M999\n")?;
         let begin = Instant::now();
         while begin.elapsed() < self.patience {
@@ -163,12 +163,12 @@ impl Board {
                 return self.drain(owner);
             }
         }
-        Err(Trouble::Lost("it did not restart after M999; switch it off and on".to_owned()))
+        Err(StepError::Lost("it did not restart after M999; switch it off and on".to_owned()))
     }
 
     /// Heaters off, motors without power. If the board does not confirm it within half of the patience, M112 does it at
     /// once. Returns whether it has confirmed it.
-    pub fn rest(&mut self) -> Result<bool, Trouble> {
+    pub fn rest(&mut self) -> Result<bool, StepError> {
         let begin = Instant::now();
         let orders = REST.into_iter().map(str::to_owned).chain([format!("M118 {AT_REST}")]);
         for order in orders {

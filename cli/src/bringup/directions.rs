@@ -1,8 +1,8 @@
 //! Directions: right is more X, back is more Y, and the nozzle leaves the bed with more Z.
 
+use super::direction_words::{Seen, read_seen, words};
 use super::guide::{Failure, Found, Guide};
-use super::trouble::Trouble;
-use super::ways::{Seen, read_seen, words};
+use super::step_error::StepError;
 use corehbot::settings::AxisEnd;
 
 const OTHER: Failure = Failure {
@@ -18,7 +18,7 @@ pub(super) const FAILURES: &[&Failure] = &[&OTHER, &UNHOMED];
 const WAY: i32 = 10;
 const FEED: [i32; 3] = [1200, 1200, 300];
 
-pub(super) fn run(guide: &mut Guide) -> Result<Found, Trouble> {
+pub(super) fn run(guide: &mut Guide) -> Result<Found, StepError> {
     let mut found = Found::default();
     let ends = guide.machine.endstops.to_array().map(|endstop| endstop.end);
     for (axis, end) in ends.into_iter().enumerate() {

@@ -1,7 +1,7 @@
 //! Motor drivers: whether each one answers over its wire, and with what.
 
 use super::guide::{Failure, Found, Guide, Problem};
-use super::trouble::Trouble;
+use super::step_error::StepError;
 
 const FAULTY: Failure = Failure {
     what: "its driver has a fault.",
@@ -14,7 +14,7 @@ pub(super) const FAILURES: &[&Failure] = &[&FAULTY];
 /// What a driver says of itself when it is well.
 const WELL: [&str; 2] = ["configured, ", "not configured yet, "];
 
-pub(super) fn run(guide: &mut Guide) -> Result<Found, Trouble> {
+pub(super) fn run(guide: &mut Guide) -> Result<Found, StepError> {
     let mut found = Found::default();
     let heard = guide.ask("M122")?;
     for line in &heard {

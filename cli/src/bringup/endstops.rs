@@ -1,7 +1,7 @@
 //! Endstops: stuck, dead, or in each other's place.
 
 use super::guide::{Failure, Found, Guide};
-use super::trouble::Trouble;
+use super::step_error::StepError;
 
 const PRESSED: Failure = Failure {
     what: "reads pressed although nothing touches it.",
@@ -33,7 +33,7 @@ fn inputs(heard: &[String]) -> Vec<(String, bool)> {
     heard.iter().filter_map(input).collect()
 }
 
-pub(super) fn run(guide: &mut Guide) -> Result<Found, Trouble> {
+pub(super) fn run(guide: &mut Guide) -> Result<Found, StepError> {
     let mut found = Found::default();
     guide.owner.wait("endstops begin", "Move every axis by hand until it touches no switch")?;
     let before = inputs(&guide.ask("M119")?);

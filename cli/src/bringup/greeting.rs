@@ -1,7 +1,7 @@
 //! The board answers: firmware, machine, and a fault from before.
 
 use super::guide::{Failure, Found, Guide};
-use super::trouble::Trouble;
+use super::step_error::StepError;
 use crate::config::machine_said;
 
 const OTHER: Failure = Failure {
@@ -22,18 +22,18 @@ const FAULT: Failure = Failure {
 pub(super) const FAILURES: &[&Failure] = &[&OTHER, &NO_MACHINE, &DIFFERS, &FAULT];
 
 /// A failure without which nothing can go on.
-fn fatal(failure: &Failure, part: &str) -> Trouble {
+fn fatal(failure: &Failure, part: &str) -> StepError {
     let problem = failure.of(part);
-    Trouble::Unfit(format!("{} Cure: {}", problem.what, problem.cure))
+    StepError::Unfit(format!("{} Cure: {}", problem.what, problem.cure))
 }
 
-pub(super) fn run(guide: &mut Guide) -> Result<Found, Trouble> {
+pub(super) fn run(guide: &mut Guide) -> Result<Found, StepError> {
     let mut found = Found::default();
     // A line that another program has begun ends here.
     guide.board.drain(&guide.owner)?;
     let heard = match guide.ask("M115") {
         // It was starting, and has not heard the question: a bootloader takes a second or two.
-        Err(Trouble::Restarted(_)) => {
+        Err(StepError::Restarted(_)) => {
             guide.board.drain(&guide.owner)?;
             guide.ask("M115")?
         }

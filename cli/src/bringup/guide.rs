@@ -2,7 +2,7 @@
 
 use super::board::Board;
 use super::owner::Owner;
-use super::trouble::Trouble;
+use super::step_error::StepError;
 use corehbot::connectors::Heater;
 use corehbot::settings::Settings;
 use serde::{Deserialize, Serialize};
@@ -58,7 +58,7 @@ pub(super) struct Guide {
 
 impl Guide {
     /// The answer of the board to a line.
-    pub fn ask(&mut self, line: &str) -> Result<Vec<String>, Trouble> {
+    pub fn ask(&mut self, line: &str) -> Result<Vec<String>, StepError> {
         self.board.ask(line, &self.owner)
     }
 
@@ -69,7 +69,7 @@ impl Guide {
     }
 
     /// The temperature of each fitted heater, if its sensor has a reading.
-    pub fn temperatures(&mut self) -> Result<Vec<(Heater, Option<f64>)>, Trouble> {
+    pub fn temperatures(&mut self) -> Result<Vec<(Heater, Option<f64>)>, StepError> {
         let heard = self.ask("M122")?;
         let of = |heater: Heater| {
             let name = heater.name();

@@ -1,7 +1,7 @@
 //! Heaters: the firmware's self-test warms each one by some degrees, at a power and for a time that its model allows.
 
 use super::guide::{Failure, Found, Guide, STOPPED};
-use super::trouble::Trouble;
+use super::step_error::StepError;
 use corehbot::connectors::Heater;
 
 const COLD: Failure = Failure {
@@ -28,7 +28,7 @@ const RISE: f64 = 1.0;
 /// Letters of heaters in reports of temperatures.
 const LETTERS: [(&str, Heater); 3] = [("T", Heater::Hotend), ("B", Heater::Bed), ("C", Heater::Chamber)];
 
-pub(super) fn run(guide: &mut Guide) -> Result<Found, Trouble> {
+pub(super) fn run(guide: &mut Guide) -> Result<Found, StepError> {
     let mut found = Found::default();
     let heaters = guide.heaters();
     if heaters.is_empty() {
@@ -52,7 +52,7 @@ pub(super) fn run(guide: &mut Guide) -> Result<Found, Trouble> {
             let why = heard.into_iter().rev().find(|line| line.starts_with("echo:")).unwrap_or_default();
             found.problems.push(UNTESTED.of(why.trim_start_matches("echo:")));
         }
-        Err(Trouble::Halted(why)) => {
+        Err(StepError::Halted(why)) => {
             guide.board.restart(&guide.owner)?;
             let tested = heaters.iter().find(|heater| why.contains(heater.name()));
             let risen = rises(&readings).into_iter().filter(|(_, kelvin)| *kelvin >= RISE);

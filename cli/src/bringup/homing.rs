@@ -1,7 +1,7 @@
 //! Homing: one axis after the other, slowly, with a hand at the key that stops everything.
 
 use super::guide::{Failure, Found, Guide};
-use super::trouble::Trouble;
+use super::step_error::StepError;
 use corehbot::settings::HomedAxis;
 
 const MISSED: Failure = Failure {
@@ -28,7 +28,7 @@ fn speeds(of: [f64; 3]) -> String {
     format!("M203{}", words.collect::<String>())
 }
 
-pub(super) fn run(guide: &mut Guide) -> Result<Found, Trouble> {
+pub(super) fn run(guide: &mut Guide) -> Result<Found, StepError> {
     let axes = guide.machine.axes;
     let own = [axes.x, axes.y, axes.z].map(|axis| axis.max_speed.to_num::<f64>());
     let slow: [f64; 3] = std::array::from_fn(|axis| own[axis].min(SLOW[axis]));
@@ -49,7 +49,7 @@ fn failure(line: &str) -> Option<&str> {
     at.and_then(|at| line.get(at..)).or_else(|| line.strip_prefix("Error:"))
 }
 
-fn home(guide: &mut Guide) -> Result<Found, Trouble> {
+fn home(guide: &mut Guide) -> Result<Found, StepError> {
     let mut found = Found::default();
     guide.owner.tell("  Enter stops everything at once while an axis moves.");
     for axis in guide.machine.homing_order {
@@ -69,7 +69,7 @@ fn home(guide: &mut Guide) -> Result<Found, Trouble> {
                     return Ok(found);
                 }
             }
-            Err(Trouble::Halted(why)) => {
+            Err(StepError::Halted(why)) => {
                 guide.board.restart(&guide.owner)?;
                 found.problems.push(STOPPED.of(&format!("{letter}, {why}")));
                 return Ok(found);

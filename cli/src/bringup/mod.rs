@@ -24,13 +24,14 @@
 //! | file | for |
 //! |---|---|
 //! | [`steps`] | the table of the steps; each has a file of its name |
-//! | [`wiring`], [`ways`] | which motor hangs on which driver, from where the tool went |
+//! | [`wiring`], [`direction_words`] | which motor hangs on which driver, from where the tool went |
 //! | [`board`], [`owner`] | the conversations with the board and with the person |
-//! | [`guide`], [`trouble`] | what steps share, and why one could not end |
+//! | [`guide`], [`step_error`] | what steps share, and why one could not end |
 //! | [`record`] | the report, and the file to go on from |
 
 mod advice;
 mod board;
+mod direction_words;
 mod directions;
 mod drivers;
 mod endstops;
@@ -42,11 +43,10 @@ mod motors;
 mod owner;
 mod record;
 mod sensors;
+mod step_error;
 mod steps;
 mod supply;
-mod trouble;
 mod tuning;
-mod ways;
 mod wiring;
 
 use anyhow::{Context as _, Result};
@@ -63,8 +63,8 @@ use owner::Owner;
 use record::{Ended, Entry, Record};
 use std::path::PathBuf;
 use std::time::Duration;
+use step_error::StepError;
 use steps::{STEPS, Step};
-use trouble::Trouble;
 
 const RESTARTED: Failure = Failure {
     what: "the board restarted in the middle of this step.",
@@ -150,7 +150,7 @@ impl Prepared {
             let resume = format!("The same command{from} goes on with this step");
             guide.owner.tell(&format!("\n{trouble}\n{resume}; the report so far: {}", args.report.display()));
             // What cannot be reached any more is at rest by its own guards.
-            if !matches!(trouble, Trouble::Lost(_) | Trouble::Unfit(_)) && matches!(guide.board.rest(), Ok(false)) {
+            if !matches!(trouble, StepError::Lost(_) | StepError::Unfit(_)) && matches!(guide.board.rest(), Ok(false)) {
                 guide.owner.tell("The board has not confirmed that it rests: M112 has stopped everything.");
             }
             return Ok(stop.status().unwrap_or(FAILED));
@@ -161,7 +161,7 @@ impl Prepared {
 }
 
 /// Takes a step until it has passed or is skipped.
-fn take(guide: &mut Guide, step: &Step, record: &mut Record, args: &Bringup) -> Result<(), Trouble> {
+fn take(guide: &mut Guide, step: &Step, record: &mut Record, args: &Bringup) -> Result<(), StepError> {
     if !is_ready(guide, step, record)? {
         note(step, record, Ended::Skipped, Found { notes: vec!["left out".to_owned()], ..Found::default() });
         record.save(&args.report).context("the report")?;
@@ -169,11 +169,11 @@ fn take(guide: &mut Guide, step: &Step, record: &mut Record, args: &Bringup) -> 
     }
     loop {
         let found = match (step.run)(guide) {
-            Err(Trouble::Halted(why)) => {
+            Err(StepError::Halted(why)) => {
                 guide.board.restart(&guide.owner)?;
                 Found { problems: vec![STOPPED.of(&why)], ..Found::default() }
             }
-            Err(Trouble::Restarted(why)) => Found { problems: vec![RESTARTED.of(&why)], ..Found::default() },
+            Err(StepError::Restarted(why)) => Found { problems: vec![RESTARTED.of(&why)], ..Found::default() },
             found => found?,
         };
         found.notes.iter().for_each(|note| guide.owner.tell(&format!("  {note}")));
@@ -191,7 +191,7 @@ fn take(guide: &mut Guide, step: &Step, record: &mut Record, args: &Bringup) -> 
         record.save(&args.report).context("the report")?;
         match decision {
             Decision::GoOn | Decision::Skip => return Ok(()),
-            Decision::Quit => return Err(Trouble::Left),
+            Decision::Quit => return Err(StepError::Left),
             Decision::Again => drop((STEPS[0].run)(guide)?),
         }
     }
@@ -203,7 +203,7 @@ fn note(step: &Step, record: &mut Record, ended: Ended, Found { notes, problems 
 }
 
 /// Whether the steps that this one builds on have passed, or the owner wants it all the same.
-fn is_ready(guide: &Guide, step: &Step, record: &Record) -> Result<bool, Trouble> {
+fn is_ready(guide: &Guide, step: &Step, record: &Record) -> Result<bool, StepError> {
     let missing: Vec<_> = step.needs.iter().filter(|name| !record.has_passed(name)).copied().collect();
     if missing.is_empty() {
         return Ok(true);
@@ -225,7 +225,7 @@ enum Decision {
     Quit,
 }
 
-fn decide(guide: &Guide, step: &Step) -> Result<Decision, Trouble> {
+fn decide(guide: &Guide, step: &Step) -> Result<Decision, StepError> {
     let question = "again, skip (with these problems in the report), or quit and go on another time?";
     let usual = if guide.owner.is_absent() { "quit" } else { "again" };
     guide.owner.ask(&format!("{} decide", step.name), question, usual, |answer| match answer {

@@ -1,8 +1,8 @@
 //! Motors: each one is moved alone, and the wiring is found from where the tool went.
 
+use super::direction_words::{Seen, read_seen, words};
 use super::guide::{Failure, Found, Guide, Problem};
-use super::trouble::Trouble;
-use super::ways::{Seen, read_seen, words};
+use super::step_error::StepError;
 use super::wiring::{Belt, Buzz, Way, Wiring};
 use corehbot::motors::{Motor, MotorSet};
 use corehbot::settings::Settings;
@@ -25,7 +25,7 @@ const REFUSED: Failure = Failure { what: "the board does not move it.", cure: "d
 
 pub(super) const FAILURES: &[&Failure] = &[&STILL, &ELSEWHERE, &WRONG, &REFUSED];
 
-pub(super) fn run(guide: &mut Guide) -> Result<Found, Trouble> {
+pub(super) fn run(guide: &mut Guide) -> Result<Found, StepError> {
     let mut found = Found::default();
     let room = "Put the tool by hand into the middle, 10 mm or more from the bed, take the filament out, and lay a finger on \
                 the tool: it goes half a millimetre";
@@ -50,7 +50,7 @@ pub(super) fn run(guide: &mut Guide) -> Result<Found, Trouble> {
 }
 
 /// The motors that share axes.
-fn axes(guide: &mut Guide, s: &Settings, belt: &Belt, found: &mut Found) -> Result<(), Trouble> {
+fn axes(guide: &mut Guide, s: &Settings, belt: &Belt, found: &mut Found) -> Result<(), StepError> {
     let count = belt.motors.len();
     let mut among = Wiring::all(count);
     let straight = among.first().cloned().unwrap_or(Wiring(Vec::new()));
@@ -103,7 +103,7 @@ fn axes(guide: &mut Guide, s: &Settings, belt: &Belt, found: &mut Found) -> Resu
 }
 
 /// Moves a motor, and asks whether another one turns with it.
-fn turns(guide: &mut Guide, s: &Settings, belt: &Belt, buzz: &Buzz, turning: usize) -> Result<bool, Trouble> {
+fn turns(guide: &mut Guide, s: &Settings, belt: &Belt, buzz: &Buzz, turning: usize) -> Result<bool, StepError> {
     let name = s.name_of(belt.motors[buzz.moved]);
     let (free, place) = (free_names(s, belt, buzz), belt.place(turning));
     let turning = s.name_of(belt.motors[turning]);
@@ -136,7 +136,7 @@ fn free_names(s: &Settings, belt: &Belt, buzz: &Buzz) -> String {
 }
 
 /// Moves a motor, and asks where the tool went.
-fn look(guide: &mut Guide, s: &Settings, belt: &Belt, buzz: &Buzz, usual: Way) -> Result<Seen, Trouble> {
+fn look(guide: &mut Guide, s: &Settings, belt: &Belt, buzz: &Buzz, usual: Way) -> Result<Seen, StepError> {
     let name = s.name_of(belt.motors[buzz.moved]).to_string();
     let mut key = vec![name.clone()];
     let mut line = format!("STEPPER_BUZZ STEPPER={name}");
@@ -168,7 +168,7 @@ fn refusal(heard: &[String]) -> String {
 }
 
 /// The extruder's motor moves no axis.
-fn extruder(guide: &mut Guide, motor: Motor, found: &mut Found) -> Result<(), Trouble> {
+fn extruder(guide: &mut Guide, motor: Motor, found: &mut Found) -> Result<(), StepError> {
     let s = guide.machine;
     let name = s.name_of(motor).to_string();
     guide.owner.tell(&format!("  {name} moves now, five times. The longer pause comes after it is back."));

@@ -3,7 +3,7 @@
 //! A question is one line, `? [key] text`, so a program knows by its key what is asked. Lines are read by a thread, so
 //! Ctrl-C and a machine on its way can be looked after meanwhile.
 
-use super::trouble::Trouble;
+use super::step_error::StepError;
 use corehbot_host::say::println;
 use corehbot_host::stop::Stop;
 use std::io::BufRead as _;
@@ -50,7 +50,7 @@ impl Owner {
         question: &str,
         usual: &str,
         read: impl Fn(&str) -> Option<T>,
-    ) -> Result<T, Trouble> {
+    ) -> Result<T, StepError> {
         loop {
             let hint = if usual.is_empty() { String::new() } else { format!(" (Enter: {usual})") };
             self.tell(&format!("? [{key}] {question}{hint}"));
@@ -60,7 +60,7 @@ impl Owner {
                 return Ok(answer);
             }
             if answer == "quit" || self.lines.is_none() {
-                return Err(Trouble::Left);
+                return Err(StepError::Left);
             }
             self.tell(match usual {
                 "" => "  That is none of the answers. Enter goes on, `quit` leaves.",
@@ -70,14 +70,14 @@ impl Owner {
     }
 
     /// Waits for Enter. Any other word but a consent is none: what follows may move or heat something.
-    pub fn wait(&self, key: &str, request: &str) -> Result<(), Trouble> {
+    pub fn wait(&self, key: &str, request: &str) -> Result<(), StepError> {
         self.ask(key, &format!("{request}, then Enter"), "", |answer| {
             ["", "y", "yes", "ok", "done"].contains(&answer).then_some(())
         })
     }
 
     /// Yes or no.
-    pub fn agrees(&self, key: &str, question: &str) -> Result<bool, Trouble> {
+    pub fn agrees(&self, key: &str, question: &str) -> Result<bool, StepError> {
         self.ask(key, question, "yes", |answer| match answer {
             "y" | "yes" => Some(true),
             "n" | "no" => Some(false),
@@ -96,18 +96,18 @@ impl Owner {
     }
 
     /// Whether Ctrl-C was pressed.
-    pub fn look_at_stop(&self) -> Result<(), Trouble> {
-        if self.stop.is_set() { Err(Trouble::Stopped) } else { Ok(()) }
+    pub fn look_at_stop(&self) -> Result<(), StepError> {
+        if self.stop.is_set() { Err(StepError::Stopped) } else { Ok(()) }
     }
 
-    fn line(&self) -> Result<String, Trouble> {
+    fn line(&self) -> Result<String, StepError> {
         let Some(lines) = &self.lines else { return Ok(String::new()) };
         loop {
             self.look_at_stop()?;
             match lines.recv_timeout(LOOK) {
                 Ok(line) => return Ok(line),
                 Err(RecvTimeoutError::Timeout) => {}
-                Err(RecvTimeoutError::Disconnected) => return Err(Trouble::Left),
+                Err(RecvTimeoutError::Disconnected) => return Err(StepError::Left),
             }
         }
     }

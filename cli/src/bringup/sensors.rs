@@ -1,7 +1,7 @@
 //! Thermistors: open, shorted, of another kind, or in each other's place.
 
 use super::guide::{Failure, Found, Guide, the};
-use super::trouble::Trouble;
+use super::step_error::StepError;
 use corehbot::connectors::{Heater, Sensor};
 use std::time::{Duration, Instant};
 
@@ -51,7 +51,7 @@ const LOOK: Duration = Duration::from_millis(400);
 const OPEN_ABOVE: u32 = 65_300;
 const SHORTED_BELOW: u32 = 500;
 
-pub(super) fn run(guide: &mut Guide) -> Result<Found, Trouble> {
+pub(super) fn run(guide: &mut Guide) -> Result<Found, StepError> {
     let mut found = Found::default();
     let cold = guide.temperatures()?;
     if cold.is_empty() {
@@ -91,7 +91,7 @@ pub(super) fn run(guide: &mut Guide) -> Result<Found, Trouble> {
 }
 
 /// The owner warms a sensor; which one rises, apart from those that are proven? Returns whether it is this one.
-fn warm(guide: &mut Guide, heater: Heater, proven: &[Heater], found: &mut Found) -> Result<bool, Trouble> {
+fn warm(guide: &mut Guide, heater: Heater, proven: &[Heater], found: &mut Found) -> Result<bool, StepError> {
     let name = heater.name();
     if guide.owner.is_absent() {
         found.note(format!("{name}: not warmed by hand"));

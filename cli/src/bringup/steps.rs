@@ -2,7 +2,7 @@
 //! that).
 
 use super::guide::{Failure, Found, Guide};
-use super::trouble::Trouble;
+use super::step_error::StepError;
 use super::{advice, directions, drivers, endstops, greeting, heaters, homing, motors, sensors, supply, tuning};
 
 /// A step. Each is safe by itself, and may be done again or skipped.
@@ -19,7 +19,7 @@ pub(super) struct Step {
     pub needs: &'static [&'static str],
     /// What may be wrong, with cures.
     pub failures: &'static [&'static Failure],
-    pub run: fn(&mut Guide) -> Result<Found, Trouble>,
+    pub run: fn(&mut Guide) -> Result<Found, StepError>,
 }
 
 /// Every step in its order.

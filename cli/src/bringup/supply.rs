@@ -1,7 +1,7 @@
 //! Supply voltages: no board of this firmware measures them, so the owner does.
 
 use super::guide::{Failure, Found, Guide};
-use super::trouble::Trouble;
+use super::step_error::StepError;
 
 const OFF: Failure = Failure {
     what: "more than a twentieth off.",
@@ -17,7 +17,7 @@ const RAILS: [(&str, &str, &[f64]); 3] = [
     ("3v3", "the voltage at a 3.3 V pin, the reference of the thermistors", &[3.3]),
 ];
 
-pub(super) fn run(guide: &mut Guide) -> Result<Found, Trouble> {
+pub(super) fn run(guide: &mut Guide) -> Result<Found, StepError> {
     let mut found = Found::default();
     for (key, what, right) in RAILS {
         let question = format!("Measure {what}, in V");

@@ -1,7 +1,7 @@
 //! Heater tuning: M303 for every heater, and M500.
 
 use super::guide::{Failure, Found, Guide, the};
-use super::trouble::Trouble;
+use super::step_error::StepError;
 use corehbot::connectors::Heater;
 
 const FAILED: Failure = Failure {
@@ -25,7 +25,7 @@ const fn words(heater: Heater) -> (i8, u16) {
     }
 }
 
-pub(super) fn run(guide: &mut Guide) -> Result<Found, Trouble> {
+pub(super) fn run(guide: &mut Guide) -> Result<Found, StepError> {
     let mut found = Found::default();
     let mut has_tuned = false;
     for heater in guide.heaters() {
@@ -37,7 +37,7 @@ pub(super) fn run(guide: &mut Guide) -> Result<Found, Trouble> {
         }
         let heard = match guide.ask(&format!("M303 E{e} S{celsius} U1")) {
             Ok(heard) => heard,
-            Err(Trouble::Halted(why)) => {
+            Err(StepError::Halted(why)) => {
                 guide.board.restart(&guide.owner)?;
                 found.problems.push(FAILED.of(&format!("{name}, {why}")));
                 return Ok(found);

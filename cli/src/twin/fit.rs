@@ -1,6 +1,6 @@
 //! `twin fit`: fits numbers of a machine to measurements, in a file, or to frequencies on the command line.
 
-use super::calibrated::Calibrated;
+use super::calibration_file::Calibrated;
 use anyhow::{Result, ensure};
 use clap::Args;
 use corehbot_host::answer::Json;

@@ -3,10 +3,10 @@
 //! The subcommands read the command line, ask the twin, and print its answer: a table for people, JSON for programs.
 //! What studies and papers ask is `corehbot-lab`.
 
-mod calibrated;
+mod calibration_file;
 mod fit;
 mod limits;
-mod measured;
+mod measurements;
 mod octave;
 mod play;
 mod point;

@@ -2,7 +2,7 @@
 
 use super::Watch;
 use crate::board::Emulated;
-use corehbot_sim::hand::Act;
+use corehbot_sim::user_actions::Act;
 use rigless::emulator::{Host, Stop};
 use rigless::session::Session;
 

@@ -21,7 +21,7 @@ use corehbot_machine_file as machine_file;
 use corehbot_sim::belt::BeltSetup;
 use corehbot_sim::eeprom::Eeprom;
 use corehbot_sim::heat_plant::HeatSetup;
-use corehbot_sim::plugs::Plugs;
+use corehbot_sim::wiring_mistakes::Plugs;
 use std::path::{Path, PathBuf};
 
 /// A virtual millisecond in ns.

@@ -1,12 +1,12 @@
 //! Hand: what a person does to the simulated machine, in lines on standard input, in the words of
-//! [`corehbot_sim::hand`]. So the first hour with a board can be tried without one (`corehbot bringup`).
+//! [`corehbot_sim::user_actions`]. So the first hour with a board can be tried without one (`corehbot bringup`).
 //!
 //! `reset in 2 s` does so two seconds of the printer's time later. So an act falls into the middle of a wait, however
 //! fast the computer is.
 
 use crate::say::note;
 use corehbot::units::TICKS_PER_SECOND;
-use corehbot_sim::hand::{ACTS, Act};
+use corehbot_sim::user_actions::{ACTS, Act};
 use std::io::BufRead as _;
 use std::sync::mpsc::{Receiver, channel};
 

@@ -5,7 +5,7 @@ use super::pace::{self, Speed};
 use anyhow::{Context as _, Result};
 use clap::Args;
 use corehbot::settings::Settings;
-use corehbot_sim::plugs::Plugs;
+use corehbot_sim::wiring_mistakes::Plugs;
 
 /// What is around a printer.
 #[derive(Args)]

@@ -87,7 +87,7 @@ pub struct HeatWait {
 
 /// Requests of the commands that were sent.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub struct Asked {
+pub struct Requests {
     /// Commands that heat something.
     pub heating: u32,
     /// Filament: a move with an E above 0.
@@ -96,7 +96,7 @@ pub struct Asked {
     pub dry_run: bool,
 }
 
-impl Asked {
+impl Requests {
     /// Takes note of a command.
     fn note(&mut self, command: &str) {
         let mut words = words(command);
@@ -154,7 +154,7 @@ pub struct FileHost {
     /// Since when a command has waited for a temperature, and for how long all of them did.
     heat_since: Option<u64>,
     heat_ticks: u64,
-    asked: Asked,
+    asked: Requests,
     failure: Option<Remark>,
 }
 
@@ -195,7 +195,7 @@ impl FileHost {
             is_heat_awaited: false,
             heat_since: None,
             heat_ticks: 0,
-            asked: Asked { heating: 0, filament: false, dry_run: false },
+            asked: Requests { heating: 0, filament: false, dry_run: false },
             said: None,
             failure: None,
         }
@@ -310,7 +310,7 @@ impl FileHost {
 
     /// Requests of the commands so far.
     #[must_use]
-    pub const fn asked(&self) -> Asked {
+    pub const fn asked(&self) -> Requests {
         self.asked
     }
 

@@ -1,6 +1,6 @@
 //! One host: its serial line, the received bytes, and the pending replies.
 
-use super::asked::Asked;
+use super::request::Request;
 use super::schedule::Schedule;
 use super::upload::{Upload, is_mark};
 use crate::gcode::{self, BedCommand, Command, ReportCommand};
@@ -233,7 +233,7 @@ impl<'m, S: Serial> Host<'m, S> {
         now: Instant,
         (patience_ms, activity): (u32, &dyn Fn() -> Activity),
         text: &mut Text,
-    ) -> Option<Asked> {
+    ) -> Option<Request> {
         if !self.replies.are_sent() {
             self.receiver.hold_silence();
         }
@@ -247,35 +247,35 @@ impl<'m, S: Serial> Host<'m, S> {
             Incoming::Command(line) => {
                 text.clear();
                 let _ = text.extend_from_slice(line.get(..text.capacity()).unwrap_or(line));
-                Asked::Command
+                Request::Command
             }
-            Incoming::Acknowledge => Asked::Nothing,
-            Incoming::LineNumber { report } => Asked::LineNumber(report),
-            Incoming::TooLong => Asked::TooLong,
-            Incoming::Resend { reason, last } => Asked::Resend(reason, last),
-            Incoming::Question { last } => Asked::Question(last),
+            Incoming::Acknowledge => Request::Nothing,
+            Incoming::LineNumber { report } => Request::LineNumber(report),
+            Incoming::TooLong => Request::TooLong,
+            Incoming::Resend { reason, last } => Request::Resend(reason, last),
+            Incoming::Question { last } => Request::Question(last),
         };
-        let asked = if asked == Asked::TooLong { self.asked_at_length(text) } else { asked };
+        let asked = if asked == Request::TooLong { self.asked_at_length(text) } else { asked };
         let number = self.receiver.last_line();
         self.number = (number != last).then_some(number);
         self.assured = now;
-        let is_forgotten = self.receiver.is_overtaken() && asked == Asked::Command && !is_mark(text);
-        let asked = if is_forgotten { Asked::Nothing } else { asked };
-        Some(if self.upload.takes(asked, text, now) { Asked::Nothing } else { asked })
+        let is_forgotten = self.receiver.is_overtaken() && asked == Request::Command && !is_mark(text);
+        let asked = if is_forgotten { Request::Nothing } else { asked };
+        Some(if self.upload.takes(asked, text, now) { Request::Nothing } else { asked })
     }
 
     /// The request of a line that is too long: it may be one without an effect, a message, or the outline of an
     /// object, which may be cut.
-    fn asked_at_length(&self, text: &mut Text) -> Asked {
+    fn asked_at_length(&self, text: &mut Text) -> Request {
         let kept = self.receiver.kept();
         match gcode::parse(kept) {
-            Command::Silent | Command::Report(ReportCommand::Message) => Asked::Nothing,
+            Command::Silent | Command::Report(ReportCommand::Message) => Request::Nothing,
             Command::Bed(BedCommand::Object { .. }) => {
                 text.clear();
                 let _ = text.extend_from_slice(kept.get(..text.capacity()).unwrap_or(kept));
-                Asked::Command
+                Request::Command
             }
-            _ => Asked::TooLong,
+            _ => Request::TooLong,
         }
     }
 

@@ -17,8 +17,8 @@
 //! | upload | lines that a host sends for a card (M28 to M29): answered, not carried out (there is no card) |
 //! | patience | time that a host may be silent in the middle of its lines before a prompt (`Settings::patience_ms`) |
 
-pub(in crate::machine) mod asked;
 pub(in crate::machine) mod host;
+pub(in crate::machine) mod request;
 pub(in crate::machine) mod schedule;
 pub(in crate::machine) mod serving;
 mod upload;

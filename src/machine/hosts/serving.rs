@@ -6,8 +6,8 @@
 //! A host that waits gets `busy` (`keep_alive`): its text is in `protocol::reply`, its interval `Settings::keepalive_s`
 //! (M113). Waits for heat also report temperatures, every second (`LINE_MS` in `commands::heating`).
 
-use super::asked::Asked;
 use super::host::{Host, HostMemory, Text, Urgent};
+use super::request::Request;
 use super::schedule::Report;
 use crate::port::{LINES, Lines, Serial};
 use crate::protocol::{Activity, NoRoom, Owed, Replies};
@@ -93,7 +93,7 @@ impl<'m, S: Serial> Hosts<'m, S> {
         now: Instant,
         patience: (u32, &dyn Fn() -> Activity),
         text: &mut Text,
-    ) -> Option<Asked> {
+    ) -> Option<Request> {
         let (count, mut place) = (self.hosts.len(), self.serving);
         for _ in 0..count {
             place = if place + 1 < count { place + 1 } else { 0 };

@@ -12,7 +12,7 @@
 //!
 //! Time does not end it: a host may be slow, and the rest of its file would then be carried out.
 
-use super::asked::Asked;
+use super::request::Request;
 use crate::gcode::{self, Command, JobCommand, MotionCommand, ReportCommand};
 use crate::units::Instant;
 
@@ -89,27 +89,27 @@ impl Upload {
     }
 
     /// Whether a line is one of the file, and needs but an `ok`. One that shows that the upload is over ends it.
-    pub(super) fn takes(&mut self, asked: Asked, text: &[u8], now: Instant) -> bool {
+    pub(super) fn takes(&mut self, asked: Request, text: &[u8], now: Instant) -> bool {
         let lines = match self.state {
             State::None => return false,
             State::Begun(_) => 0,
             State::Streaming(lines) => lines,
         };
         match asked {
-            Asked::Command if is_greeting(text) => self.give_up(),
-            Asked::Command if acts(&gcode::parse(text)) => false,
-            Asked::Command | Asked::TooLong => {
+            Request::Command if is_greeting(text) => self.give_up(),
+            Request::Command if acts(&gcode::parse(text)) => false,
+            Request::Command | Request::TooLong => {
                 self.state = State::Streaming(lines.saturating_add(1));
                 true
             }
-            Asked::LineNumber(_) => match self.state {
+            Request::LineNumber(_) => match self.state {
                 State::Begun(at) if now < at.after_ms(BEGINS_WITHIN_MS) => {
                     self.state = State::Streaming(0);
                     false
                 }
                 _ => self.give_up(),
             },
-            Asked::Nothing | Asked::Resend(..) | Asked::Question(_) => false,
+            Request::Nothing | Request::Resend(..) | Request::Question(_) => false,
         }
     }
 
@@ -133,8 +133,8 @@ mod tests {
     #[test]
     fn without_m28_nothing_is_taken() {
         let mut upload = Upload::new();
-        assert!(!upload.takes(Asked::Command, b"G1 X5", Instant(0)));
-        assert!(!upload.takes(Asked::LineNumber(None), b"", Instant(0)));
+        assert!(!upload.takes(Request::Command, b"G1 X5", Instant(0)));
+        assert!(!upload.takes(Request::LineNumber(None), b"", Instant(0)));
         assert_eq!((upload.end(), upload.take_given_up()), (None, None));
     }
 
@@ -142,37 +142,37 @@ mod tests {
     fn lines_up_to_m29_are_taken_but_for_those_that_act_anyway() {
         let mut upload = begun();
         for line in ["G1 X5 E1", "M104 S200", "START_PRINT BED=60", "nonsense", "M110x", "M115 U3.1.0", "M25"] {
-            assert!(upload.takes(Asked::Command, line.as_bytes(), Instant(0)), "{line}");
+            assert!(upload.takes(Request::Command, line.as_bytes(), Instant(0)), "{line}");
         }
-        assert!(upload.takes(Asked::TooLong, b"", Instant(0)));
+        assert!(upload.takes(Request::TooLong, b"", Instant(0)));
         for line in ["M105", "M112", "M108", "M410", "M29", "M29 a.gco", "M28 b.gco"] {
-            assert!(!upload.takes(Asked::Command, line.as_bytes(), Instant(0)), "{line}");
+            assert!(!upload.takes(Request::Command, line.as_bytes(), Instant(0)), "{line}");
         }
-        assert!(!upload.takes(Asked::Nothing, b"", Instant(0)));
+        assert!(!upload.takes(Request::Nothing, b"", Instant(0)));
         assert_eq!((upload.end(), upload.end()), (Some(8), None));
     }
 
     #[test]
     fn pronsole_says_m110_directly_behind_m28_and_again_at_the_end() {
         let mut upload = begun();
-        assert!(!upload.takes(Asked::LineNumber(None), b"", Instant(0).after_ms(200)));
-        assert!(upload.takes(Asked::Command, b"G28", Instant(0).after_ms(300)));
-        assert!(!upload.takes(Asked::LineNumber(None), b"", Instant(0).after_ms(400)));
+        assert!(!upload.takes(Request::LineNumber(None), b"", Instant(0).after_ms(200)));
+        assert!(upload.takes(Request::Command, b"G28", Instant(0).after_ms(300)));
+        assert!(!upload.takes(Request::LineNumber(None), b"", Instant(0).after_ms(400)));
         assert_eq!((upload.take_given_up(), upload.take_given_up(), upload.end()), (Some(1), None, None));
     }
 
     #[test]
     fn another_host_ends_it() {
-        for asked in [Asked::LineNumber(None), Asked::Command] {
+        for asked in [Request::LineNumber(None), Request::Command] {
             let mut upload = begun();
             assert!(!upload.takes(asked, b"m115 ", Instant(0).after_ms(BEGINS_WITHIN_MS)));
             assert_eq!(upload.take_given_up(), Some(0));
-            assert!(!upload.takes(Asked::Command, b"G1 X5", Instant(0)));
+            assert!(!upload.takes(Request::Command, b"G1 X5", Instant(0)));
         }
         // OctoPrint says it three times as it connects.
         let mut upload = begun();
-        assert!(!upload.takes(Asked::LineNumber(None), b"", Instant(0)));
-        assert!(!upload.takes(Asked::LineNumber(None), b"", Instant(0)));
+        assert!(!upload.takes(Request::LineNumber(None), b"", Instant(0)));
+        assert!(!upload.takes(Request::LineNumber(None), b"", Instant(0)));
         assert_eq!(upload.take_given_up(), Some(0));
     }
 }

@@ -10,8 +10,8 @@ use crate::fault::Fault;
 use crate::gcode::{Command, MotionCommand, PlainWords, ReportCommand, SettingCommand};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::speaker::Progress;
-use crate::machine::hosts::asked::Asked;
 use crate::machine::hosts::host::Text;
+use crate::machine::hosts::request::Request;
 use crate::machine::interrupt::Restart;
 use crate::machine::main_loop::{MainLoop, yield_once};
 use crate::machine::numbers::shortest;
@@ -61,15 +61,15 @@ const fn is_said_on_connecting(command: &Command<'_>) -> bool {
 }
 
 /// The reply to a host that connected later; `None` for a command that would act.
-fn answer_halted(asked: Asked, parse: fn(&[u8]) -> Command<'_>, text: &[u8]) -> Option<[Answer<'static>; 2]> {
+fn answer_halted(asked: Request, parse: fn(&[u8]) -> Command<'_>, text: &[u8]) -> Option<[Answer<'static>; 2]> {
     let greeting = Answer::Line(GREETING);
     Some(match asked {
-        Asked::LineNumber(number) => [greeting, Answer::LineNumber(number)],
-        Asked::Nothing => [Answer::Nothing, Answer::Ok],
-        Asked::Resend(reason, last) => [Answer::Nothing, Answer::Resend(reason, last)],
-        Asked::Question(last) => [Answer::Nothing, Answer::Question(last)],
-        Asked::TooLong => return None,
-        Asked::Command => match parse(text) {
+        Request::LineNumber(number) => [greeting, Answer::LineNumber(number)],
+        Request::Nothing => [Answer::Nothing, Answer::Ok],
+        Request::Resend(reason, last) => [Answer::Nothing, Answer::Resend(reason, last)],
+        Request::Question(last) => [Answer::Nothing, Answer::Question(last)],
+        Request::TooLong => return None,
+        Request::Command => match parse(text) {
             Command::Report(ReportCommand::Temperatures) => [Answer::Nothing, Answer::Temperatures],
             Command::Report(ReportCommand::ReportFirmware) => [Answer::Firmware, Answer::Ok],
             command if is_said_on_connecting(&command) => [greeting, Answer::Ok],
@@ -118,7 +118,7 @@ pub(in crate::machine) async fn stay_halted<P: PortSet, W: Wake>(
         {
             let is_new = are_new.get_mut(main_loop.hosts.serving());
             let knows = is_new.is_some_and(|is_new| {
-                *is_new |= matches!(asked, Asked::LineNumber(_));
+                *is_new |= matches!(asked, Request::LineNumber(_));
                 *is_new
             });
             match answer_halted(asked, parse, &text).filter(|_| knows) {

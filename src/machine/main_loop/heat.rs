@@ -1,10 +1,10 @@
 //! Heaters and fans as commands order them: the orders on their way, the fans that wait for their moves, the
 //! self-tests, and when heaters were last used.
 //!
-//! The heater control runs in another context and has the guards. This owner alone sends it orders. [`heat_turn`] is
+//! The heater control runs in another context and has the guards. This owner alone sends it orders. [`heat_poll`] is
 //! its part of every turn.
 //!
-//! [`heat_turn`]: super::heat_turn
+//! [`heat_poll`]: super::heat_poll
 
 use crate::connectors::{FANS, HEATERS, Heater};
 use crate::fault::{Cause, Fault};

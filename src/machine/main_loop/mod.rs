@@ -14,20 +14,20 @@
 //! | file or folder | for |
 //! |---|---|
 //! | this one | the owners, and a turn |
-//! | [`hear`] | input of lines from hosts |
+//! | [`input`] | input of lines from hosts |
 //! | [`reply`] | output of answers, as soon as there is room for them |
 //! | [`motion`] | the look-ahead, the queue to the step generator, and where the machine stands |
 //! | [`stream`] | the waits for room in the look-ahead and for the machine to rest |
 //! | [`shift_axis`] | a move of one axis that a switch or the probe may end |
 //! | [`sweep`](mod@sweep) | the sweep of a resonance test |
 //! | [`settings`] | the settings in use |
-//! | [`take_over`] | settings with effects beyond the next plan |
+//! | [`apply_settings`] | settings with effects beyond the next plan |
 //! | [`z_offset`] | the offset of z, live and kept |
 //! | [`regroup`] | a belt, or one motor of it, takes the place of z |
 //! | [`surface`] | the mesh of the bed, and whether z follows it |
 //! | [`trim`], [`phase`] | turning of one motor of a belt alone; alignment of its motors as they get power |
 //! | [`power`], [`powering`] | power for the motors, and exchanges with their drivers; the waits for it |
-//! | [`heat`], [`heat_turn`] | orders for heaters and fans; their part of a turn |
+//! | [`heat`], [`heat_poll`] | orders for heaters and fans; their part of a turn |
 //! | [`scrub`] | whether settings in RAM are unchanged |
 //! | [`limp`] | a motor of a belt has failed, and the others park the tool |
 //! | [`halted`] | after a stop: replies to hosts until M999 |
@@ -36,10 +36,11 @@
 //! |---|---|
 //! | turn | all other contexts run, and then every part of the main loop, once |
 
+mod apply_settings;
 pub(in crate::machine) mod halted;
-pub(in crate::machine) mod hear;
 mod heat;
-mod heat_turn;
+mod heat_poll;
+pub(in crate::machine) mod input;
 pub(in crate::machine) mod limp;
 mod motion;
 pub(in crate::machine) mod phase;
@@ -53,7 +54,6 @@ pub(in crate::machine) mod shift_axis;
 mod stream;
 pub(in crate::machine) mod surface;
 pub(in crate::machine) mod sweep;
-mod take_over;
 pub(in crate::machine) mod trim;
 pub(in crate::machine) mod z_offset;
 

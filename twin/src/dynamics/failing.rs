@@ -1,6 +1,6 @@
 //! Failing: belts and pulleys of a plant that are not what they were.
 
-use super::outside::Screw;
+use super::external_forces::Screw;
 use super::plant::{Plant, Spring};
 
 impl Plant {

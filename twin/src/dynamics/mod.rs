@@ -15,14 +15,14 @@
 //! | [`friction`] | of guides, brakes and obstacles |
 //! | `frame` | a soft frame on the ground |
 //! | `bears` | loads of belts, motors, guides and frame |
-//! | [`outside`] | power, phases, pushes and friction |
+//! | [`external_forces`] | power, phases, pushes and friction |
 //! | [`state`] | positions and speeds, and the classical Runge-Kutta step |
 
-mod bears;
+pub mod external_forces;
 pub(crate) mod failing;
 mod field;
 mod frame;
 pub mod friction;
-pub mod outside;
+mod part_loads;
 pub mod plant;
 pub mod state;

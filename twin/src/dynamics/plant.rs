@@ -5,9 +5,9 @@
 //! stiffness follows from its free length at the commanded positions: motors change the amount of belt in a segment,
 //! stretch does not. So stiffness is constant between two steps, and energy is conserved.
 
+use super::external_forces::Outside;
 use super::field::Field;
 use super::frame::{Frame, FrameAxis, MM_PER_M};
-use super::outside::Outside;
 use crate::model::SHORTEST_FREE_MM;
 use crate::model::coordinate::Coordinate;
 use crate::model::elastic::{Elastic, Freedom};
@@ -17,7 +17,7 @@ use crate::params::Params;
 use crate::routing::{Machine, Place};
 
 /// Time in which a holding brake or obstacle stops a moving part, in s: three of the longest steps. It is not shorter
-/// than the longest step of a [live](crate::live) machine, so that the integration stays stable.
+/// than the longest step of a [live](crate::stepped_machine) machine, so that the integration stays stable.
 pub(crate) const BRAKED_IN_S: f64 = 3.0 * LONGEST_STEP_S;
 
 /// Moving parts besides the tool.

@@ -10,15 +10,15 @@
 //! | `corehbot` | figures 5 and 6c of the CoreH-bot paper |
 //! | `hbot` | figure 6a |
 //! | `corexy` | figure 6b, and the same with a motor at each end of its belts |
-//! | [`own`] | machines with a belt of its own for each motor, from the motors' rows: CoreXYZ, Cartesian and others |
+//! | [`separate_belts`] | machines with a belt for each motor, from the motors' rows: CoreXYZ, Cartesian and others |
 
 mod corehbot;
 mod corexy;
 mod hbot;
-pub mod own;
+pub mod separate_belts;
 pub mod stop;
 
-pub use own::Own;
+pub use separate_belts::Own;
 pub use stop::{Along, Block, Mark, Place, Role, Side, Stop};
 
 use crate::params::Params;
@@ -125,8 +125,8 @@ impl Machine {
             Self::HBot => vec![hbot::BELT],
             Self::CoreXy => corexy::BELTS.to_vec(),
             Self::AwdCoreXy => corexy::AWD_BELTS.to_vec(),
-            Self::CoreXyz => own::corexyz(4),
-            Self::CoreXyzThree => own::corexyz(3),
+            Self::CoreXyz => separate_belts::corexyz(4),
+            Self::CoreXyzThree => separate_belts::corexyz(3),
             Self::Own(own) => own.belts(),
         }
     }

@@ -18,7 +18,7 @@ const RUNS: usize = 10;
 /// A stage: its name, and parts of the names of its functions.
 type Stage = (&'static str, &'static [&'static str]);
 
-/// The stages of the sinks. Each is a function that is called once for a batch of events (`cli/src/sinks.rs`), or, the
+/// The stages of the sinks. Each is a function that is called once for a batch of events (`cli/src/recorder_threads.rs`), or, the
 /// digest, for 64 KiB of rows.
 const DIGEST: Stage = ("digest of the trace", &["TraceWriter", "flush"]);
 const ROWS: Stage = ("rows of the trace", &["Writers", "write_rows"]);

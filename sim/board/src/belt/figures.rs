@@ -86,12 +86,13 @@ impl BeltPlant {
             let is_shared = of_driver(drives) > 1;
             if is_shared { format!("{motor}.{}", of_driver(&drives[..=index])) } else { motor.to_string() }
         };
-        let motor =
-            |(index, (drive, rotor)): (usize, (&MotorDrive, &corehbot_twin::live::rotor::Rotor))| MotorFigures {
+        let motor = |(index, (drive, rotor)): (usize, (&MotorDrive, &corehbot_twin::stepped_machine::rotor::Rotor))| {
+            MotorFigures {
                 motor: drive.name,
                 name: name(index, drive.name),
                 largest_torque_share: rounded(rotor.greatest_share()),
-            };
+            }
+        };
         let skip =
             |skip: &SkipFigures| SkipFigures { time_s: rounded(skip.time_s), at_mm: skip.at_mm.map(rounded), ..*skip };
         let part = |(accident, began_s, motor): (&str, Option<f64>, Option<usize>)| PartFigures {

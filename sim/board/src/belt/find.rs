@@ -3,8 +3,8 @@
 use super::layout::{Layout, LayoutError};
 use crate::accident::Accident;
 use corehbot::motors::MotorName;
-use corehbot_twin::live::failing::idlers_of;
 use corehbot_twin::routing::Belt;
+use corehbot_twin::stepped_machine::failing::idlers_of;
 
 /// A part of the belts, as an accident names it.
 #[derive(Clone, Debug, PartialEq)]

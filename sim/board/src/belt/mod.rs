@@ -23,7 +23,7 @@
 //! | [`layout`] | which machine of the twin the settings are, and which motor turns which |
 //! | [`accident`] | hits, as the command line has them, and how far an accident has come |
 //! | `find` | the part of a machine that an accident names |
-//! | `trouble` | what accidents do to the machine, and since when |
+//! | `active_accidents` | what accidents do to the machine, and since when |
 //! | `timeline` | motion time of an instant that has passed |
 //! | [`course`] | shares and residual over time |
 //! | `field` | by how much a driver turns its field at a step |
@@ -31,6 +31,7 @@
 //! | [`figures`] | the figures reported at the end |
 
 pub mod accident;
+mod active_accidents;
 pub mod course;
 mod field;
 pub mod figures;
@@ -38,26 +39,25 @@ mod find;
 pub mod layout;
 mod load;
 mod timeline;
-mod trouble;
 
 use crate::drivers::Drivers;
 use crate::tmc2209::Tmc2209;
 use accident::Accidents;
+use active_accidents::ActiveAccidents;
 use corehbot::motors::{EndstopSet, MOTORS, Motor, MotorSet};
 use corehbot::settings::{AxisEnd, Endstop, Settings};
 use corehbot::units::{Mm, TICKS_PER_MS};
 use corehbot_rig::{AT_POWER_UP, Rig};
 use corehbot_twin::description::Description;
-use corehbot_twin::live::{Live, phases_mm};
 use corehbot_twin::math::hypot;
 use corehbot_twin::routing::Place;
+use corehbot_twin::stepped_machine::{Live, phases_mm};
 use course::{Course, CourseBin};
 use field::Field;
 use figures::SkipFigures;
 use layout::{Layout, LayoutError};
 use load::Load;
 use timeline::Timeline;
-use trouble::Trouble;
 
 /// The endstops of the belt's axes: of z too where belts lift the tool.
 const SWITCHES: [EndstopSet; 3] = [EndstopSet::X, EndstopSet::Y, EndstopSet::Z];
@@ -115,7 +115,7 @@ pub struct BeltPlant {
     powered: MotorSet,
     /// Motors of the filament.
     filament: MotorSet,
-    trouble: Trouble,
+    trouble: ActiveAccidents,
     /// Whether homing or printing has begun.
     has_begun: bool,
     /// The tool's position error where each switch was met; `None` before.
@@ -152,7 +152,7 @@ impl BeltPlant {
         let place = place.unwrap_or(AT_POWER_UP);
         let layout = Layout::new(settings, &twin)?;
         let (origin, start) = layout.places(settings, place)?;
-        let (trouble, idlers) = Trouble::new(accidents, &layout, start)?;
+        let (trouble, idlers) = ActiveAccidents::new(accidents, &layout, start)?;
         let motors = layout.drives.len();
         let phases = seed.map_or_else(Vec::new, |seed| phases_mm(seed, motors, &layout.params));
         // A motor's steps are those of the axes that it moves.

@@ -2,7 +2,7 @@
 //!
 //! The amount of motion planned before a line is answered is decided here (`has_room`), by `Settings::lookahead_time`
 //! (default in `Settings::prototype`). Without room the look-ahead counts as full to `release` (`note_full`): motion
-//! begins, and a slow host's share ends. A fan that waits for its move (`main_loop::heat_turn`) waits by the same
+//! begins, and a slow host's share ends. A fan that waits for its move (`main_loop::heat_poll`) waits by the same
 //! exemption; `main_loop::reply` (P of `advanced_ok`) asks for room too. `sim/board/tests/lookahead_time.rs` tests it.
 //! docs/explanation/flow.md, docs/reference/host-protocol/pauses.md, README.md, its row in `settings` and
 //! `examples/machines/prototype.toml` describe it. M220 is here too.

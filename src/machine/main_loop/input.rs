@@ -1,8 +1,8 @@
 //! Input: lines of hosts, the urgent ones first, and the machine's activity while a host is silent.
 
 use super::MainLoop;
-use crate::machine::hosts::asked::Asked;
 use crate::machine::hosts::host::Text;
+use crate::machine::hosts::request::Request;
 use crate::machine::hosts::serving::Hosts;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::ports::PortSet;
@@ -23,7 +23,7 @@ impl<P: PortSet, W: Wake> MainLoop<'_, P, W> {
     }
 
     /// The next request of a host; a command's text is put into `text`.
-    pub fn next_line(&mut self, text: &mut Text) -> Option<Asked> {
+    pub fn next_line(&mut self, text: &mut Text) -> Option<Request> {
         let Self { hosts, motion, job, .. } = self;
         let activity = || activity(motion.has_motion(), motion.has_waited(), job);
         let asked = hosts.next_line(self.turn_began, (u32::from(self.settings.patience_ms), &activity), text);

@@ -4,8 +4,8 @@
 //! field stay as they are to each other, so the motor has not skipped.
 
 use super::Live;
+use crate::dynamics::external_forces::Screw;
 use crate::dynamics::failing::Slipped;
-use crate::dynamics::outside::Screw;
 use crate::geometry::layout;
 use crate::math::tanh;
 use crate::params::{Params, TOOTH_MM};

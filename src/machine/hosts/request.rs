@@ -4,7 +4,7 @@ use crate::protocol::ResendReason;
 
 /// The request of a line; a command's text is elsewhere.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(in crate::machine) enum Asked {
+pub(in crate::machine) enum Request {
     /// To carry out a command.
     Command,
     /// The reply is `ok`.

@@ -1,10 +1,10 @@
-//! Trouble: why a step could not be carried to its end.
+//! Step error: why a step could not be carried to its end.
 
 use std::fmt;
 
 /// Why a step could not be carried to its end.
 #[derive(Debug)]
-pub(super) enum Trouble {
+pub(super) enum StepError {
     /// Ctrl-C.
     Stopped,
     /// The owner wants to go on later, or the input has ended.
@@ -19,7 +19,7 @@ pub(super) enum Trouble {
     Restarted(String),
 }
 
-impl fmt::Display for Trouble {
+impl fmt::Display for StepError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Stopped => f.write_str("stopped by Ctrl-C"),
@@ -32,7 +32,7 @@ impl fmt::Display for Trouble {
     }
 }
 
-impl From<anyhow::Error> for Trouble {
+impl From<anyhow::Error> for StepError {
     fn from(error: anyhow::Error) -> Self {
         Self::Lost(format!("{error:#}"))
     }

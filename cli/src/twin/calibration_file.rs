@@ -1,6 +1,6 @@
 //! Calibrated: numbers of a machine found from measurements, as a table `[twin]` with the source of each.
 
-use super::measured::Measured;
+use super::measurements::Measured;
 use super::octave::octaves;
 use anyhow::{Context as _, Result, anyhow};
 use corehbot_twin::calibration::{

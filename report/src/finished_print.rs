@@ -8,7 +8,7 @@ use corehbot::connectors::Heater;
 use corehbot::settings::Settings;
 use corehbot_sim::bed_plant::FLOOR_MM;
 use corehbot_sim::check::Findings;
-use corehbot_sim::host::{Asked, FileHost};
+use corehbot_sim::host::{FileHost, Requests};
 use corehbot_sim::limits::Limits;
 use corehbot_sim::tally::Figures;
 use corehbot_sim::world::{Desk, Outcome};
@@ -74,7 +74,7 @@ impl Summary {
     }
 
     /// Notes requests that had no effect on this machine: heat without a heater, and filament that never moved.
-    fn note_asked(&mut self, asked: Asked, settings: &Settings) {
+    fn note_asked(&mut self, asked: Requests, settings: &Settings) {
         let has_heaters = Heater::ALL.into_iter().any(|heater| settings.thermal.heater(heater).is_fitted);
         if asked.heating > 0 && !has_heaters {
             let commands = if asked.heating == 1 { "command" } else { "commands" };

@@ -1,13 +1,13 @@
-//! Trouble: what accidents do to the machine in motion, and since when.
+//! ActiveAccidents: what accidents do to the machine in motion, and since when.
 
 use super::accident::{AccidentState, Accidents, Hit};
 use super::find::Part;
 use super::layout::{Layout, LayoutError};
 use crate::accident::Accident;
 use crate::accident::table::{Does, Wear};
-use corehbot_twin::live::Live;
-use corehbot_twin::live::failing::seized_idler_n;
 use corehbot_twin::routing::Place;
+use corehbot_twin::stepped_machine::Live;
+use corehbot_twin::stepped_machine::failing::seized_idler_n;
 
 /// Friction in N of a motor's pulley that does not turn, unless the accident says another one: sixteen times the
 /// holding torque of a nominal motor.
@@ -44,12 +44,12 @@ struct Failing {
 
 /// The accidents of a machine.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Trouble {
+pub(super) struct ActiveAccidents {
     hits: Vec<(Hit, AccidentState)>,
     parts: Vec<Failing>,
 }
 
-impl Trouble {
+impl ActiveAccidents {
     /// These accidents, and the idlers that they need: stops by their indices.
     ///
     /// # Errors
