@@ -4,6 +4,7 @@
 //! board: it implements the traits of [`corehbot::port`]. Time is a number, which jumps from alarm to alarm.
 
 use corehbot::app::{Memory, Parts, StepPorts, assemble};
+use corehbot::driver::Tmc2209;
 use corehbot::kinematics::Groups;
 use corehbot::machine::{PortSet, Ports};
 use corehbot::motors::{Coupling, EndstopSet, GroupSet, Motor, MotorSet};
@@ -107,6 +108,7 @@ impl<'b> PortSet for &'b Board {
     type Serial = &'b Board;
     type Motors = &'b Board;
     type Drivers = NoBus;
+    type Chip = Tmc2209;
     type Servo = NoServo;
     type Board = AnyBoard;
     type Clock = &'b Board;

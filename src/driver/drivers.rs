@@ -2,7 +2,7 @@
 
 mod turns;
 
-use super::config::Config;
+use super::chip::{Chip, Held, Shown};
 use super::error::{DriverError, Fault, News};
 use super::reading::Reading;
 use super::run::{Job, Next, Run};
@@ -17,14 +17,14 @@ use turns::Turn;
 const FRESH_MS: u32 = 500;
 
 /// The state of one driver.
-#[derive(Clone, Copy, Debug)]
-struct Driver {
+#[derive(Debug)]
+struct Driver<C: Chip> {
     /// The name of its motor.
     name: MotorName,
     /// Its required configuration.
-    wanted: Config,
+    wanted: C::Config,
     /// Its proved configuration.
-    held: Option<Config>,
+    held: Option<C::Config>,
     /// Time of the last proof, if it still counts: a proof is valid for one power-up.
     proved: Option<Instant>,
     /// Failed exchanges with it.
@@ -34,17 +34,17 @@ struct Driver {
 
 /// The drivers of a machine.
 #[derive(Debug)]
-pub struct Drivers {
+pub struct Drivers<C: Chip> {
     lines: MotorSet,
     powered: MotorSet,
-    drivers: [Driver; MOTORS],
+    drivers: [Driver<C>; MOTORS],
     watch: Watch,
     /// The current urgent look, or the poll that follows from a look.
-    urgent: Option<Run>,
+    urgent: Option<Run<C>>,
     /// The current background look. Other exchanges may come between two of its own.
-    background: Option<Run>,
+    background: Option<Run<C>>,
     /// The current job. Looks come between two of its exchanges.
-    run: Option<Run>,
+    run: Option<Run<C>>,
     /// The owner of the exchange on the wire.
     on_wire: Option<Turn>,
     /// The job that a caller waits for, and its result.
@@ -54,14 +54,14 @@ pub struct Drivers {
     fault: Option<Fault>,
 }
 
-impl Drivers {
+impl<C: Chip> Drivers<C> {
     /// Drivers at the start: nothing is proved, and no motor has power. Those of `lines` can be reached if their motor
     /// is fitted.
     #[must_use]
     pub fn new(lines: MotorSet, settings: &Settings) -> Self {
         let drivers = Motor::ALL.map(|motor| Driver {
             name: settings.name_of(motor),
-            wanted: Config::new(motor, settings),
+            wanted: C::config(motor, settings),
             held: None,
             proved: None,
             errors: 0,
@@ -102,17 +102,23 @@ impl Drivers {
         self.fault
     }
 
-    /// The proved configuration of `motor`'s driver, and its number of failed exchanges.
+    /// The effect of the proved configuration of `motor`'s driver, and its number of failed exchanges.
     #[must_use]
-    pub fn known(&self, motor: Motor) -> (Option<Config>, u16) {
-        self.get(motor).map_or((None, 0), |d| (d.held, d.errors))
+    pub fn known(&self, motor: Motor) -> (Option<Held>, u16) {
+        self.get(motor).map_or((None, 0), |d| (d.held.as_ref().map(C::held), d.errors))
+    }
+
+    /// What a reading of one of these drivers shows.
+    #[must_use]
+    pub fn shown(&self, reading: &Reading) -> Shown {
+        C::shown(reading)
     }
 
     /// Sets the required configurations from `settings`. Drivers of motors with power are written soon, the others
     /// before their next power-up.
     pub fn want(&mut self, settings: &Settings) {
         for (motor, driver) in Motor::ALL.into_iter().zip(&mut self.drivers) {
-            (driver.name, driver.wanted) = (settings.name_of(motor), Config::new(motor, settings));
+            (driver.name, driver.wanted) = (settings.name_of(motor), C::config(motor, settings));
         }
     }
 
@@ -158,7 +164,7 @@ impl Drivers {
     /// Whether every motor with power makes the required microsteps.
     #[must_use]
     pub fn is_drivable(&self) -> bool {
-        let agrees = |d: &Driver| d.held.is_some_and(|held| held.microsteps() == d.wanted.microsteps());
+        let agrees = |d: &Driver<C>| d.held.is_some_and(|held| microsteps::<C>(&held) == microsteps::<C>(&d.wanted));
         Motor::ALL
             .into_iter()
             .zip(&self.drivers)
@@ -257,7 +263,7 @@ impl Drivers {
             .map(|(motor, _)| motor)
     }
 
-    fn finish(&mut self, run: &Run, result: Result<Reading, DriverError>, now: Instant) -> Option<News> {
+    fn finish(&mut self, run: &Run<C>, result: Result<Reading, DriverError>, now: Instant) -> Option<News> {
         let motor = run.motor;
         let has_power = self.powered.has(motor);
         let driver = self.get_mut(motor)?;
@@ -269,7 +275,7 @@ impl Drivers {
                     self.watch.note_well(motor);
                 }
                 let driver = self.get_mut(motor)?;
-                let is_new = reading.is_hot() && !driver.is_warned;
+                let is_new = C::shown(&reading).is_hot && !driver.is_warned;
                 driver.is_warned |= is_new;
                 return is_new.then_some(News::Hot(motor));
             }
@@ -296,11 +302,16 @@ impl Drivers {
         None
     }
 
-    fn get(&self, motor: Motor) -> Option<&Driver> {
+    fn get(&self, motor: Motor) -> Option<&Driver<C>> {
         self.drivers.get(motor.index())
     }
 
-    fn get_mut(&mut self, motor: Motor) -> Option<&mut Driver> {
+    fn get_mut(&mut self, motor: Motor) -> Option<&mut Driver<C>> {
         self.drivers.get_mut(motor.index())
     }
+}
+
+/// Microsteps of a full step with these contents.
+fn microsteps<C: Chip>(config: &C::Config) -> u32 {
+    C::held(config).microsteps
 }

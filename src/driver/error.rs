@@ -1,6 +1,5 @@
 //! Errors of a driver, with their remedies.
 
-use super::registers::{Register, drv_status, gstat};
 use crate::motors::{Motor, MotorName};
 use core::fmt;
 
@@ -14,14 +13,14 @@ pub enum DriverError {
     Garbled,
     /// It did not accept every write.
     NotTaken,
-    /// It accepted the writes, but a register has another value.
-    Differs(Register),
+    /// It accepted the writes, but the register of this name has another value.
+    Differs(&'static str),
     /// It makes another number of microsteps than the settings require.
     Microsteps,
     /// It was reset, and is configured by its pins.
     LostConfiguration,
-    /// It is not a TMC2209.
-    WrongChip(u8),
+    /// It is not the chip of this name, but one with this version.
+    WrongChip(&'static str, u8),
     /// A coil is shorted to ground or to the supply.
     ShortCircuit,
     /// It has switched itself off because it is too hot.
@@ -32,42 +31,16 @@ pub enum DriverError {
     LowSupply,
 }
 
-impl DriverError {
-    /// The error that GSTAT reports.
-    pub(super) const fn from_flags(flags: u32) -> Option<Self> {
-        if flags & gstat::RESET != 0 {
-            Some(Self::LostConfiguration)
-        } else if flags & gstat::DRV_ERR != 0 {
-            Some(Self::ShutDown)
-        } else if flags & gstat::UV_CP != 0 {
-            Some(Self::LowSupply)
-        } else {
-            None
-        }
-    }
-
-    /// The error that DRV_STATUS reports.
-    pub(super) const fn from_status(status: u32) -> Option<Self> {
-        if status & drv_status::SHORTS != 0 {
-            Some(Self::ShortCircuit)
-        } else if status & drv_status::OT != 0 {
-            Some(Self::OverTemperature)
-        } else {
-            None
-        }
-    }
-}
-
 impl fmt::Display for DriverError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Silent => put!(f, "does not answer: is the motor supply on, its jumper set to UART?"),
             Self::Garbled => put!(f, "answers, but the answer is damaged: check its UART wire"),
             Self::NotTaken => put!(f, "did not accept its configuration: check its UART wire"),
-            Self::Differs(register) => put!(f, "holds a different {} than the firmware wrote", register.name()),
+            Self::Differs(register) => put!(f, "holds a different {register} than the firmware wrote"),
             Self::Microsteps => put!(f, "uses different microsteps than the firmware wrote"),
             Self::LostConfiguration => put!(f, "was reset and lost its configuration: check the motor supply"),
-            Self::WrongChip(version) => put!(f, "is not a TMC2209: its version is {version:#04x}"),
+            Self::WrongChip(chip, version) => put!(f, "is not a {chip}: its version is {version:#04x}"),
             Self::ShortCircuit => put!(f, "reports a short circuit: check the motor and its cable"),
             Self::OverTemperature => put!(f, "was too hot and switched itself off: cool it, or lower M906"),
             Self::ShutDown => put!(f, "had switched itself off: heat or a short circuit"),
@@ -122,24 +95,7 @@ mod tests {
             fault.to_string(),
             "driver of motor m8 does not answer: is the motor supply on, its jumper set to UART?"
         );
-        let fault =
-            Fault { motor: prototype::Z2, name: MotorName::lit("z2"), error: DriverError::Differs(Register::Pwmconf) };
+        let fault = Fault { motor: prototype::Z2, name: MotorName::lit("z2"), error: DriverError::Differs("PWMCONF") };
         assert_eq!(fault.to_string(), "driver of motor z2 holds a different PWMCONF than the firmware wrote");
-    }
-
-    #[test]
-    fn the_cause_that_explains_the_others_is_reported() {
-        assert_eq!(DriverError::from_flags(7), Some(DriverError::LostConfiguration));
-        assert_eq!(DriverError::from_flags(6), Some(DriverError::ShutDown));
-        assert_eq!(DriverError::from_flags(4), Some(DriverError::LowSupply));
-        assert_eq!(DriverError::from_flags(0), None);
-        for bit in 0..32 {
-            let expected = match bit {
-                1 => Some(DriverError::OverTemperature),
-                2..=5 => Some(DriverError::ShortCircuit),
-                _ => None,
-            };
-            assert_eq!(DriverError::from_status(1 << bit), expected, "bit {bit}");
-        }
     }
 }

@@ -1,5 +1,6 @@
 //! The Console's ports: its needs from a board, as one type.
 
+use crate::driver::Chip;
 use crate::port::{Accelerometer, BoardFacts, Clock, DriverBus, Lines, MotorPower, Serial, Servo, Storage};
 
 /// The types of the ports that the Console needs from a board, so that one parameter names them all.
@@ -10,6 +11,8 @@ pub trait PortSet {
     type Motors: MotorPower;
     /// The wires to the drivers; [`NoBus`](crate::port::NoBus) if there are none.
     type Drivers: DriverBus;
+    /// The chips at these wires.
+    type Chip: Chip;
     /// The servo of the probe; [`NoServo`](crate::port::NoServo) if there is none.
     type Servo: Servo;
     /// Facts of the board.

@@ -1,6 +1,6 @@
 //! Drivers on a bus that answers as a test wants.
 
-use corehbot::driver::{DriverError, Drivers, Job, News, Register};
+use corehbot::driver::{DriverError, Drivers, Job, News, Register, Tmc2209};
 use corehbot::motors::{Motor, MotorSet, prototype};
 use corehbot::port::{BusError, Coupling, DriverBus, Frame, MotorPower};
 use corehbot::settings::Settings;
@@ -106,7 +106,7 @@ impl DriverBus for Bus {
 
 pub struct Bench {
     pub bus: Bus,
-    pub drivers: Drivers,
+    pub drivers: Drivers<Tmc2209>,
     pub ms: u32,
     pub news: Vec<News>,
     /// After a fault the other motors continue.

@@ -1,7 +1,7 @@
 //! Changes: new settings for drivers of motors with power.
 
 use super::bench::{Bench, CHOPCONF, Z1};
-use corehbot::driver::{Config, DriverError, Fault, News, Register};
+use corehbot::driver::{Chip, DriverError, Fault, News, Register, Tmc2209};
 use corehbot::motors::{MotorName, MotorSet, prototype};
 use corehbot::settings::Settings;
 
@@ -21,7 +21,7 @@ fn other_settings_reach_a_motor_with_power_and_other_microsteps_forbid_driving_u
     assert!(!bench.drivers.is_drivable());
     bench.run(50);
     assert!(bench.drivers.is_drivable() && bench.drivers.is_configured());
-    assert_eq!(bench.drivers.known(prototype::Z1).0.unwrap().microsteps(), 32);
+    assert_eq!(bench.drivers.known(prototype::Z1).0.unwrap().microsteps, 32);
 }
 
 #[test]
@@ -43,10 +43,10 @@ fn a_motor_with_power_that_does_not_take_its_new_settings_is_a_fault() {
 fn a_driver_that_holds_something_else_is_written_anew() {
     let mut bench = Bench::new();
     assert_eq!(bench.verify(prototype::Z1), Ok(()));
-    let config = Config::new(prototype::Z1, &Settings::prototype());
+    let config = Tmc2209::config(prototype::Z1, &Settings::prototype());
     bench.bus.registers[CHOPCONF] = 0x1000_0053;
     assert_eq!(bench.verify(prototype::Z1), Ok(()));
-    assert_eq!(bench.bus.registers[CHOPCONF], config.value(Register::Chopconf));
+    assert_eq!(bench.bus.registers[CHOPCONF], Tmc2209::value(&config, Register::Chopconf));
 }
 
 #[test]

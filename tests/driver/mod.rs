@@ -3,4 +3,5 @@
 mod bench;
 mod changes;
 mod proof;
+mod spi;
 mod watch;

@@ -1,7 +1,7 @@
 //! Proof: no motor gets power before its driver has shown that it holds its settings.
 
 use super::bench::{Bench, CHOPCONF, IFCNT, Z1};
-use corehbot::driver::{Config, DriverError, Drivers, Job, Reading, Register};
+use corehbot::driver::{Chip, DriverError, Drivers, Job, Reading, Register, Tmc2209};
 use corehbot::motors::{MotorSet, prototype};
 use corehbot::settings::Settings;
 
@@ -13,9 +13,9 @@ fn the_flags_are_cleared_before_anything_is_counted_and_read_after_everything() 
     let writes = [0x80, 0x90, 0x91, 0x93, 0x94, 0xA2, 0xC0, 0xC2, 0xEC, 0xF0];
     let (begin, end) = ([0x83, 0x06, 0x81, 0x02], [0x02, 0x00, 0x6C, 0x70, 0x01]);
     assert_eq!(registers, [&begin[..], &writes, &end].concat());
-    let config = Config::new(prototype::Z1, &Settings::prototype());
-    assert_eq!(bench.drivers.known(prototype::Z1), (Some(config), 0));
-    assert_eq!(bench.bus.registers[CHOPCONF], config.value(Register::Chopconf));
+    let config = Tmc2209::config(prototype::Z1, &Settings::prototype());
+    assert_eq!(bench.drivers.known(prototype::Z1), (Some(Tmc2209::held(&config)), 0));
+    assert_eq!(bench.bus.registers[CHOPCONF], Tmc2209::value(&config, Register::Chopconf));
 }
 
 #[test]
@@ -65,7 +65,11 @@ fn a_driver_that_is_being_written_has_proved_nothing() {
     bench.run_until(|bench| bench.count(0x90) == 3);
     bench.drivers.want(&new);
     bench.drivers.cut(&mut bench.bus);
-    assert_eq!(bench.drivers.known(prototype::Z1).0, Some(Config::new(prototype::Z1, &new)), "held as far as is known");
+    assert_eq!(
+        bench.drivers.known(prototype::Z1).0,
+        Some(Tmc2209::held(&Tmc2209::config(prototype::Z1, &new))),
+        "held as far as is known"
+    );
     assert_eq!(bench.power(Z1), Err(prototype::Z1), "but the old current is on its way");
 }
 
@@ -77,7 +81,7 @@ fn an_answer_goes_to_the_last_who_asked() {
     bench.drivers.ask(Job::Read, prototype::M4);
     bench.run(100);
     let reading = bench.drivers.answer().unwrap().unwrap();
-    assert_eq!(reading.microsteps(), Some(16));
+    assert_eq!(bench.drivers.shown(&reading).microsteps, Some(16));
     assert!(bench.drivers.known(prototype::M1).0.is_some(), "the first job was done all the same");
     assert_eq!(bench.drivers.answer(), None);
 }
@@ -132,5 +136,6 @@ fn nobody_asks_a_driver_without_a_wire_or_configures_one_whose_motor_has_power()
     assert_eq!(bench.count(0x81), 0, "its flags stay");
     bench.drivers.ask(Job::Read, prototype::Z1);
     bench.run(100);
-    assert_eq!(bench.drivers.answer().unwrap().unwrap().microsteps(), Some(16), "but it may be read");
+    let reading = bench.drivers.answer().unwrap().unwrap();
+    assert_eq!(bench.drivers.shown(&reading).microsteps, Some(16), "but it may be read");
 }

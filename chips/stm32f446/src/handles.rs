@@ -1,5 +1,6 @@
 //! The types of the handles, with the ports of a board.
 
+use corehbot::driver::Tmc2209;
 use corehbot::{machine, motion, thermal};
 
 use crate::accelerometer::SpiSensor;
@@ -22,6 +23,7 @@ impl machine::PortSet for PortTypes {
     type Serial = HostSerial;
     type Motors = EnableLines;
     type Drivers = Drivers;
+    type Chip = Tmc2209;
     type Servo = ServoLine;
     type Board = ThisBoard;
     type Clock = BoardClock;

@@ -22,6 +22,7 @@ pub use crate::ports::Wire;
 use crate::ports::{Line, Mechanics, Pins, Shared, SimWake, Timer};
 use crate::reach::Reach;
 use corehbot::app::{Parts, StepPorts, assemble};
+use corehbot::driver::Tmc2209;
 use corehbot::kinematics::{Groups, MotorTable};
 use corehbot::machine::{PortSet, Ports, Restart};
 use corehbot::motion::{StepCounts, StepGenerator, Stepper};
@@ -117,6 +118,7 @@ impl<'w> PortSet for &'w Shared {
     type Serial = Line<'w>;
     type Motors = Power<'w>;
     type Drivers = Bus<'w>;
+    type Chip = Tmc2209;
     type Servo = ServoLine<'w>;
     type Board = AnyBoard;
     type Clock = Timer<'w>;

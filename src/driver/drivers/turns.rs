@@ -1,6 +1,7 @@
 //! Turns: the order of exchanges on the wires, which take one at a time.
 
-use super::Drivers;
+use super::{Drivers, microsteps};
+use crate::driver::chip::Chip;
 use crate::driver::reading::Reading;
 use crate::driver::run::{Job, Look, Run};
 use crate::driver::watch::{Slot, Wanted};
@@ -16,7 +17,7 @@ pub(super) enum Turn {
     Job,
 }
 
-impl Drivers {
+impl<C: Chip> Drivers<C> {
     /// Sends the next request.
     pub(super) fn exchange(&mut self, bus: &mut impl DriverBus, now: Instant) {
         let turn = self.next_turn(now);
@@ -30,8 +31,8 @@ impl Drivers {
             && let Some(driver) = self.get_mut(run.motor)
         {
             // With power, the old values are as good as the new ones, unless the size of a step changes.
-            let microsteps = run.config.microsteps();
-            driver.held = driver.held.filter(|held| run.job == Job::Adjust && held.microsteps() == microsteps);
+            let steps = microsteps::<C>(&run.config);
+            driver.held = driver.held.filter(|held| run.job == Job::Adjust && microsteps::<C>(held) == steps);
         }
         if let Some((request, reply)) = run.request() {
             bus.begin(run.motor, &request, reply);
@@ -71,12 +72,12 @@ impl Drivers {
         }
     }
 
-    fn look_at(&self, motor: Motor, look: Look) -> Option<Run> {
+    fn look_at(&self, motor: Motor, look: Look) -> Option<Run<C>> {
         self.get(motor).map(|driver| Run::look(motor, look, driver.held.unwrap_or(driver.wanted)))
     }
 
     /// The next job: a change first, then a request.
-    fn begin_job(&mut self) -> Option<Run> {
+    fn begin_job(&mut self) -> Option<Run<C>> {
         if self.fault.is_some() {
             return None;
         }

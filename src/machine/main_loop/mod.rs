@@ -129,7 +129,7 @@ pub(in crate::machine) struct MainLoop<'m, P: PortSet, W: Wake> {
     pub settings: SettingsInUse<'m>,
     pub motion: Motion<'m, W>,
     pub heat: Heaters<'m>,
-    pub power: Power<P::Motors, P::Drivers>,
+    pub power: Power<P>,
     /// The servo of the probe.
     pub servo: P::Servo,
     /// Facts of the board.

@@ -4,6 +4,7 @@
 //! [`powering`](super::powering) has the waits for that.
 
 use crate::driver::{DriverError, Drivers, Fault, Job, News, Reading};
+use crate::machine::ports::PortSet;
 use crate::machine::state::idle_timeout::IdleTimeout;
 use crate::motors::Coupling;
 use crate::port::{DriverBus, Motor, MotorPower, MotorSet};
@@ -11,16 +12,16 @@ use crate::settings::Settings;
 use crate::units::Instant;
 
 /// The drivers, and which motors have power.
-pub(in crate::machine) struct Power<M, D> {
-    motors: M,
-    bus: D,
+pub(in crate::machine) struct Power<P: PortSet> {
+    motors: P::Motors,
+    bus: P::Drivers,
     /// The settings in the motor drivers, and the motors with power.
-    drivers: Drivers,
+    drivers: Drivers<P::Chip>,
     idle_timeout: IdleTimeout,
 }
 
-impl<M: MotorPower, D: DriverBus> Power<M, D> {
-    pub(super) fn new(motors: M, bus: D, settings: &Settings, now: Instant) -> Self {
+impl<P: PortSet> Power<P> {
+    pub(super) fn new(motors: P::Motors, bus: P::Drivers, settings: &Settings, now: Instant) -> Self {
         Self { drivers: Drivers::new(bus.lines(), settings), motors, bus, idle_timeout: IdleTimeout::new(now) }
     }
 
@@ -40,7 +41,7 @@ impl<M: MotorPower, D: DriverBus> Power<M, D> {
     }
 
     /// The drivers, for reports.
-    pub(super) const fn drivers(&self) -> &Drivers {
+    pub(super) const fn drivers(&self) -> &Drivers<P::Chip> {
         &self.drivers
     }
 

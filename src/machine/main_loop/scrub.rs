@@ -19,6 +19,7 @@ impl<P: PortSet, W: Wake> MainLoop<'_, P, W> {
 #[cfg(test)]
 mod tests {
     extern crate std;
+    use crate::driver::Tmc2209;
     use crate::fault::Cause;
     use crate::kinematics::{Groupings, Mechanism};
     use crate::machine::hosts::host::HostMemory;
@@ -76,6 +77,7 @@ mod tests {
         type Serial = Nothing;
         type Motors = Nothing;
         type Drivers = NoBus;
+        type Chip = Tmc2209;
         type Servo = NoServo;
         type Board = AnyBoard;
         type Clock = Self;

@@ -1,7 +1,7 @@
 //! Reports of motor drivers: their state (M122), and their settings (M569, M906, M913, M914).
 
 use super::report::Hundredths;
-use crate::driver::{Config, DriverError, Drivers, Reading};
+use crate::driver::{Chip, DriverError, Drivers, Held, Reading, Shown};
 use crate::gcode::Number;
 use crate::machine::answers::driver_value::DriverValue;
 use crate::machine::answers::speaker::Speaker;
@@ -15,8 +15,8 @@ const FULL_STEPS: i64 = 200;
 
 /// The state of a driver that answers, for M122.
 struct State<'r> {
-    reading: &'r Reading,
-    held: Option<Config>,
+    shown: &'r Shown,
+    held: Option<Held>,
     power: &'static str,
     turn: Hundredths,
     /// The speed at which stealthChop ends.
@@ -27,30 +27,30 @@ impl fmt::Display for State<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (power, turn) = (self.power, &self.turn);
         let Some(held) = self.held else { return put!(f, "not configured yet, motor {power}") };
-        let (current, mode) = (held.run_current_ma(), self.reading.mode());
+        let (current, mode) = (held.run_ma, self.shown.mode);
         put!(f, "configured, motor {power}, {current} mA, {mode}")?;
-        if let (Some(threshold), true) = (&self.threshold, self.reading.is_stealthy()) {
+        if let (Some(threshold), true) = (&self.threshold, self.shown.is_quiet) {
             put!(f, " up to {threshold} mm/s")?;
         }
-        match self.reading.microsteps() {
+        match self.shown.microsteps {
             Some(microsteps) => {
-                let steps = if self.reading.interpolates() { "microsteps" } else { "plain microsteps" };
+                let steps = if self.shown.interpolates { "microsteps" } else { "plain microsteps" };
                 put!(f, ", {microsteps} {steps}, {turn} mm a turn")?;
             }
             None => put!(f, ", microsteps by its pins")?,
         }
-        put!(f, ", {} mA at rest", held.hold_current_ma())
+        put!(f, ", {} mA at rest", held.hold_ma)
     }
 }
 
 /// How a driver is, and how well it is understood.
-struct Health<'r>(&'r Reading, Option<DriverError>, u16);
+struct Health<'r>(&'r Reading, &'r Shown, Option<DriverError>, u16);
 
 impl fmt::Display for Health<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self(reading, problem, failures) = self;
-        let open = if reading.seems_open() { ", coil open?" } else { "" };
-        let (temperature, stall, writes) = (reading.temperature(), reading.stall(), reading.writes());
+        let Self(reading, shown, problem, failures) = self;
+        let open = if shown.seems_open { ", coil open?" } else { "" };
+        let (temperature, stall, writes) = (shown.temperature, reading.load(), reading.writes);
         put!(f, "{temperature}{open}, stall result {stall}, {writes} writes, {failures} failed exchanges")?;
         match problem {
             Some(problem) => write!(f, ", {problem}"),
@@ -60,10 +60,10 @@ impl fmt::Display for Health<'_> {
 }
 
 /// M122, the lines of one driver.
-pub(in crate::machine) fn report_driver(
+pub(in crate::machine) fn report_driver<C: Chip>(
     to: &mut Speaker<'_>,
     (motor, reading): (Motor, Option<Result<Reading, DriverError>>),
-    drivers: &Drivers,
+    drivers: &Drivers<C>,
     s: &Settings,
 ) {
     let name = s.name_of(motor);
@@ -73,15 +73,16 @@ pub(in crate::machine) fn report_driver(
         Some(Ok(reading)) => reading,
     };
     let (held, failures) = drivers.known(motor);
+    let shown = drivers.shown(&reading);
     let power = if drivers.powered().has(motor) { "on" } else { "off" };
-    let turn = turn_of(s.steps_per_mm(motor), reading.microsteps().unwrap_or_default());
-    let rate = held.and_then(|held| held.hybrid_steps_per_s());
+    let turn = turn_of(s.steps_per_mm(motor), shown.microsteps.unwrap_or_default());
+    let rate = held.and_then(|held| held.quiet_steps_per_s);
     let threshold = rate.map(|rate| Hundredths::of(s.steps_per_mm(motor).length_of(rate.into())));
-    let state = State { reading: &reading, held, power, turn, threshold };
+    let state = State { shown: &shown, held, power, turn, threshold };
     to.say(text!("Driver {name}: {state}"));
     // A driver that got no message yet rightly reports that it was reset.
-    let problem = held.and(reading.problem());
-    to.say(text!("  {}", Health(&reading, problem, failures)));
+    let problem = held.and(shown.problem);
+    to.say(text!("  {}", Health(&reading, &shown, problem, failures)));
 }
 
 /// The distance for a turn of a motor of 200 full steps, which shows whether microsteps and steps/mm agree.

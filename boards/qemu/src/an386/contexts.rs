@@ -5,6 +5,7 @@ use core::pin::pin;
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use corehbot::app::Parts;
+use corehbot::driver::Tmc2209;
 use corehbot::kinematics::Groups;
 use corehbot::machine;
 use corehbot::motion::{self, StepCounts};
@@ -30,6 +31,7 @@ impl machine::PortSet for BoardPorts {
     type Serial = UartSerial;
     type Motors = Motors;
     type Drivers = NoBus;
+    type Chip = Tmc2209;
     type Servo = NoServo;
     type Board = AnyBoard;
     type Clock = BoardClock;

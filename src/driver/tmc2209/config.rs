@@ -1,7 +1,8 @@
-//! Configuration: the required contents of a driver's registers, from the settings. `AFTER` in `run` lists those that
-//! are read back.
+//! Configuration: the required contents of a driver's registers, from the settings. `AFTER` in `scripts` lists those
+//! that are read back.
 
 use super::registers::{Register, chopconf, gconf, gstat};
+use crate::driver::chip::Held;
 use crate::motors::Motor;
 use crate::settings::{DriverSettings, Settings};
 use crate::units::{StepRate, StepsPerMm, mul_div};
@@ -111,29 +112,18 @@ impl Config {
         }
     }
 
-    /// Microsteps of a full step.
-    #[must_use]
-    pub const fn microsteps(&self) -> u32 {
-        microsteps(self.chopconf)
-    }
-
-    /// The resulting run current, in mA.
-    #[must_use]
-    pub fn run_current_ma(&self) -> u32 {
-        rms_ma((self.currents >> 8) & 0x1F, self.chopconf & chopconf::VSENSE != 0)
-    }
-
-    /// The resulting current at rest, in mA.
-    #[must_use]
-    pub fn hold_current_ma(&self) -> u32 {
-        rms_ma(self.currents & 0x1F, self.chopconf & chopconf::VSENSE != 0)
-    }
-
-    /// Steps a second above which spreadCycle replaces stealthChop; `None` if it never does.
-    #[must_use]
-    pub fn hybrid_steps_per_s(&self) -> Option<u32> {
+    /// The effect of these contents.
+    pub(super) fn held(&self) -> Held {
+        let is_sensitive = self.chopconf & chopconf::VSENSE != 0;
+        let microsteps = microsteps(self.chopconf);
         let clocks = u64::from(self.tpwmthrs) * FINEST;
-        (clocks > 0).then(|| mul_div(CLOCK_HZ, u64::from(self.microsteps()), clocks) as u32)
+        Held {
+            microsteps,
+            run_ma: rms_ma((self.currents >> 8) & 0x1F, is_sensitive),
+            hold_ma: rms_ma(self.currents & 0x1F, is_sensitive),
+            // Above that, spreadCycle replaces stealthChop.
+            quiet_steps_per_s: (clocks > 0).then(|| mul_div(CLOCK_HZ, u64::from(microsteps), clocks) as u32),
+        }
     }
 }
 

@@ -21,7 +21,7 @@ fn every_current_is_met_as_well_as_the_chip_can() {
         let volts = if config.chopconf & chopconf::VSENSE == 0 { 0.325 } else { 0.180 };
         let exact = f64::from(scale + 1) / 32.0 * volts / 0.130 / 2f64.sqrt() * 1000.0;
         assert!((exact - f64::from(ma)).abs() < half, "{ma} mA became {exact}");
-        assert!((exact - f64::from(config.run_current_ma())).abs() < 1.0);
+        assert!((exact - f64::from(config.held().run_ma)).abs() < 1.0);
     }
 }
 
@@ -42,7 +42,7 @@ fn the_fields_are_where_the_datasheet_has_them() {
     assert_eq!(config(|d| d.interpolate = false).value(Register::Chopconf), 0x0403_0053);
     assert_eq!(config(|d| d.hold_percent = 0).value(Register::IholdIrun) & 0x1F, 0);
     // 13 of the 26 parts of 795 mA.
-    assert_eq!((c.run_current_ma(), c.hold_current_ma()), (795, 397));
+    assert_eq!((c.held().run_ma, c.held().hold_ma), (795, 397));
     assert_eq!(config(|d| d.stall_threshold = 9).value(Register::Tcoolthrs), SLOWEST);
 }
 
@@ -64,7 +64,7 @@ fn every_register_that_is_written_has_its_value() {
         assert_eq!(c.value(register), value, "{register:?}");
     }
     assert_eq!(config(|_| ()).value(Register::Tcoolthrs), 0, "no stall is looked for");
-    assert_eq!(c.microsteps(), 16);
+    assert_eq!(c.held().microsteps, 16);
 }
 
 #[test]
@@ -73,7 +73,7 @@ fn the_threshold_is_a_time_between_two_of_256_steps() {
     let at = |v: u16| config(|d| d.hybrid_threshold = MmPerSec::from_num(v)).value(Register::Tpwmthrs);
     assert_eq!((at(0), at(100), at(3000)), (0, 93, 3));
     // The other way round: 93 clocks are 8,064 steps a second.
-    let rate = |v: u16| config(|d| d.hybrid_threshold = MmPerSec::from_num(v)).hybrid_steps_per_s();
+    let rate = |v: u16| config(|d| d.hybrid_threshold = MmPerSec::from_num(v)).held().quiet_steps_per_s;
     assert_eq!((rate(0), rate(100)), (None, Some(8064)));
     let slow = config(|d| d.hybrid_threshold = MmPerSec::lit("0.005"));
     assert_eq!(slow.value(Register::Tpwmthrs), SLOWEST);
