@@ -18,7 +18,7 @@ mod print_progress;
 mod steps;
 mod stopping;
 mod stream;
-mod z_offset;
+mod z_offset_orders;
 
 use crate::fault::Latch;
 use core::sync::atomic::{AtomicBool, AtomicI32, AtomicU8, AtomicU32};
@@ -28,7 +28,7 @@ pub use known::Known;
 use overload::Lateness;
 pub use overload::{Late, Overload};
 use print_progress::PrintProgress;
-use z_offset::ZOffset;
+use z_offset_orders::ZOffsetOrders;
 
 /// The data that contexts share.
 #[repr(C)]
@@ -88,7 +88,7 @@ pub struct Status {
     made: Counted,
     /// Endstop reads of the Stepper because it was pended; written by the Stepper.
     looks: AtomicU32,
-    z_offset: ZOffset,
+    z_offset: ZOffsetOrders,
     /// What the Console knows of the place of the tool, in bits; whether the ends of axes do not hold; and an offset of
     /// z.
     known: AtomicU8,
@@ -136,7 +136,7 @@ impl Status {
             stopped: AtomicU32::new(0),
             made: Counted::new(),
             looks: AtomicU32::new(0),
-            z_offset: ZOffset::new(),
+            z_offset: ZOffsetOrders::new(),
             known: AtomicU8::new(0),
             is_free: AtomicBool::new(false),
             below_um: AtomicI32::new(0),
@@ -153,7 +153,7 @@ impl Status {
 
     /// The live offset of z.
     #[must_use]
-    pub const fn z_offset(&self) -> &ZOffset {
+    pub const fn z_offset(&self) -> &ZOffsetOrders {
         &self.z_offset
     }
 

@@ -3,7 +3,7 @@
 use corehbot::gcode::{Command, PlainWords, SettingCommand, parse};
 use corehbot::settings::Settings;
 use corehbot::settings::plain::{CODES, CONDITIONS, Owner, condition, letters};
-use corehbot::settings::rows::{Field, Key, Kind, Value, Visitor};
+use corehbot::settings::rows::{Field, Key, Value, ValueKind, Visitor};
 use corehbot::settings::table::{NEXT_ID, described};
 use std::collections::BTreeSet;
 
@@ -49,7 +49,7 @@ fn every_row_says_what_it_means() {
         let meaning = text.meaning.concat();
         assert!(meaning.trim().ends_with(['.', '\'']), "{}: {meaning}", row.leaf);
         assert!(meaning.split_whitespace().count() <= 70, "{}: {meaning}", row.leaf);
-        if let Kind::Fixed(bits) = text.kind {
+        if let ValueKind::Fixed(bits) = text.kind {
             assert!(bits <= 32, "{}", row.leaf);
         }
     }

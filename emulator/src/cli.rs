@@ -12,7 +12,7 @@ use crate::driver_line::DriverLines;
 use crate::eeprom::At24c32;
 use crate::firmware::Firmware;
 use crate::flash::FlashSectors;
-use crate::heat::Climate;
+use crate::heat_pins::Climate;
 use crate::line::Manner;
 use crate::run::{Request, Seen, serve};
 use crate::sensor::Sensor;

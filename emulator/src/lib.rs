@@ -26,7 +26,7 @@ pub mod firmware;
 pub mod flash;
 pub mod flash_interface;
 pub mod half_periods;
-pub mod heat;
+pub mod heat_pins;
 pub mod line;
 pub mod loads;
 pub mod mechanics;

@@ -8,7 +8,7 @@ use crate::eeprom::At24c32;
 use crate::firmware::Firmware;
 use crate::flash::{FlashSectors, SECTORS};
 use crate::half_periods::Laps;
-use crate::heat::{Climate, HeatWatch};
+use crate::heat_pins::{Climate, HeatWatch};
 use crate::line::{HostLine, Manner};
 use crate::mechanics::Mechanics;
 use crate::safety::Safety;

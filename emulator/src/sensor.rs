@@ -12,7 +12,7 @@
 //! | registers that are read only, or are not there, are not written | register maps |
 //! | range, rate and FIFO are set at rest | ADXL345, register definitions |
 
-use corehbot::accelerometer::Kind;
+use corehbot::accelerometer::SensorKind;
 use rigless::chip::Timeline;
 use rigless::chip::spi::Peer;
 use rigless::snapshot::Store;
@@ -50,7 +50,7 @@ pub struct Vibration {
 /// The sensor.
 #[derive(Clone, Debug)]
 pub struct Sensor {
-    kind: Kind,
+    kind: SensorKind,
     /// What the identity register has.
     pub identity: u8,
     /// It answers so many first readings of the identity with zero, as some do after power came.
@@ -94,10 +94,10 @@ pub struct Sensor {
 impl Sensor {
     /// One as new, at rest.
     #[must_use]
-    pub fn new(kind: Kind) -> Self {
+    pub fn new(kind: SensorKind) -> Self {
         let mut sensor = Self {
             kind,
-            identity: if kind == Kind::Adxl345 { 0xE5 } else { 0x44 },
+            identity: if kind == SensorKind::Adxl345 { 0xE5 } else { 0x44 },
             deaf_readings: 0,
             dead: None,
             clock: 1.004,
@@ -129,8 +129,8 @@ impl Sensor {
     fn power(&mut self) {
         self.registers = [0; 64];
         match self.kind {
-            Kind::Adxl345 => self.registers[0x2C] = 0x0A,
-            Kind::Lis2dw12 => self.registers[0x21] = 0x04,
+            SensorKind::Adxl345 => self.registers[0x2C] = 0x0A,
+            SensorKind::Lis2dw12 => self.registers[0x21] = 0x04,
         }
         (self.began, self.is_overrun) = (None, false);
         self.fifo.clear();
@@ -151,9 +151,9 @@ impl Sensor {
     /// Samples a second; 0 at rest.
     fn rate(&self) -> f64 {
         let nominal = match self.kind {
-            Kind::Adxl345 if self.registers[0x2D] & 8 == 0 => 0.0,
-            Kind::Adxl345 => 3200.0 / f64::from(1 << (0x0F - (self.registers[0x2C] & 0xF))),
-            Kind::Lis2dw12 => match self.registers[0x20] >> 4 {
+            SensorKind::Adxl345 if self.registers[0x2D] & 8 == 0 => 0.0,
+            SensorKind::Adxl345 => 3200.0 / f64::from(1 << (0x0F - (self.registers[0x2C] & 0xF))),
+            SensorKind::Lis2dw12 => match self.registers[0x20] >> 4 {
                 0 => 0.0,
                 code => 1600.0 / f64::from(1 << 9_u8.saturating_sub(code)),
             },
@@ -164,8 +164,8 @@ impl Sensor {
     /// Whether new samples take the place of the oldest in a full FIFO.
     const fn is_streaming(&self) -> bool {
         match self.kind {
-            Kind::Adxl345 => self.registers[0x38] >> 6 == 2,
-            Kind::Lis2dw12 => self.registers[0x2E] >> 5 == 6,
+            SensorKind::Adxl345 => self.registers[0x38] >> 6 == 2,
+            SensorKind::Lis2dw12 => self.registers[0x2E] >> 5 == 6,
         }
     }
 
@@ -179,11 +179,11 @@ impl Sensor {
             let sum: f64 = (0..12).map(|_| self.chance()).sum();
             let felt = amplitude[axis] * phase + noise * (sum - 6.0) + if axis == 2 { G } else { 0.0 };
             *out = match self.kind {
-                Kind::Adxl345 => {
+                SensorKind::Adxl345 => {
                     let mg = if axis == 2 { 3.906 } else { 3.774 };
                     (felt / G * 1000.0 / mg).round().clamp(-4096.0, 4095.0) as i16
                 }
-                Kind::Lis2dw12 => ((felt / 4.785_645 / 4.0).round().clamp(-8192.0, 8191.0) * 4.0) as i16,
+                SensorKind::Lis2dw12 => ((felt / 4.785_645 / 4.0).round().clamp(-8192.0, 8191.0) * 4.0) as i16,
             };
         }
         if let Some(SensorTrouble::Stuck(axis)) = self.trouble_at(at) {
@@ -236,8 +236,8 @@ impl Sensor {
     /// The data registers are 0x32 to 0x37 of an ADXL345, 0x28 to 0x2D of a LIS2DW12.
     const fn data(&self) -> u8 {
         match self.kind {
-            Kind::Adxl345 => 0x32,
-            Kind::Lis2dw12 => 0x28,
+            SensorKind::Adxl345 => 0x32,
+            SensorKind::Lis2dw12 => 0x28,
         }
     }
 
@@ -245,9 +245,9 @@ impl Sensor {
     fn read(&mut self, began: u64) -> u8 {
         let register = self.register;
         let place = register.wrapping_sub(self.data());
-        let is_status = register == if self.kind == Kind::Adxl345 { 0x39 } else { 0x2F };
+        let is_status = register == if self.kind == SensorKind::Adxl345 { 0x39 } else { 0x2F };
         let is_new = place == 0 || is_status;
-        if is_new && self.kind == Kind::Adxl345 && self.taken.is_some_and(|taken| began < taken + 5000) {
+        if is_new && self.kind == SensorKind::Adxl345 && self.taken.is_some_and(|taken| began < taken + 5000) {
             self.breach("5 us have not passed since the last sample");
         }
         if place < 6 {
@@ -260,12 +260,12 @@ impl Sensor {
         if is_status {
             let waiting = self.fifo.len() as u8;
             return match self.kind {
-                Kind::Adxl345 => waiting,
+                SensorKind::Adxl345 => waiting,
                 // The threshold is 0 as it is set, so bit 7 stands.
-                Kind::Lis2dw12 => waiting | u8::from(self.is_overrun) << 6 | 0x80,
+                SensorKind::Lis2dw12 => waiting | u8::from(self.is_overrun) << 6 | 0x80,
             };
         }
-        if register == if self.kind == Kind::Adxl345 { 0x00 } else { 0x0F } {
+        if register == if self.kind == SensorKind::Adxl345 { 0x00 } else { 0x0F } {
             if self.deaf_readings > 0 {
                 self.deaf_readings -= 1;
                 return 0;
@@ -279,8 +279,8 @@ impl Sensor {
         let register = self.register;
         self.written.push([register, value]);
         let (may, control, at_rest): (&[std::ops::RangeInclusive<u8>], u8, &[u8]) = match self.kind {
-            Kind::Adxl345 => (&[0x1D..=0x2A, 0x2C..=0x2F, 0x31..=0x31, 0x38..=0x38], 0x2D, &[0x2C, 0x31, 0x38]),
-            Kind::Lis2dw12 => (&[0x20..=0x25, 0x2E..=0x2E, 0x30..=0x36, 0x3C..=0x3F], 0x20, &[0x21, 0x25, 0x2E]),
+            SensorKind::Adxl345 => (&[0x1D..=0x2A, 0x2C..=0x2F, 0x31..=0x31, 0x38..=0x38], 0x2D, &[0x2C, 0x31, 0x38]),
+            SensorKind::Lis2dw12 => (&[0x20..=0x25, 0x2E..=0x2E, 0x30..=0x36, 0x3C..=0x3F], 0x20, &[0x21, 0x25, 0x2E]),
         };
         if !may.iter().any(|range| range.contains(&register)) {
             return self.breach("a register that is read only was written");
@@ -299,7 +299,7 @@ impl Sensor {
             self.started = self.started.or(self.began);
         }
         // Bypass empties the FIFO.
-        if register == if self.kind == Kind::Adxl345 { 0x38 } else { 0x2E } && !self.is_streaming() {
+        if register == if self.kind == SensorKind::Adxl345 { 0x38 } else { 0x2E } && !self.is_streaming() {
             self.fifo.clear();
             self.is_overrun = false;
         }
@@ -312,7 +312,7 @@ impl Sensor {
         }
         let is_last = self.register == self.data() + 5;
         self.register = match self.kind {
-            Kind::Lis2dw12 if is_last => self.data(),
+            SensorKind::Lis2dw12 if is_last => self.data(),
             _ => (self.register + 1) & 0x3F,
         };
         if is_last {
@@ -347,8 +347,8 @@ impl Peer for Sensor {
             self.read(began)
         };
         let counts_up = match self.kind {
-            Kind::Adxl345 => command & 0x40 != 0,
-            Kind::Lis2dw12 => self.registers[0x21] & 4 != 0,
+            SensorKind::Adxl345 => command & 0x40 != 0,
+            SensorKind::Lis2dw12 => self.registers[0x21] & 4 != 0,
         };
         self.step(now, counts_up);
         u32::from(answer)

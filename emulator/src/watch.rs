@@ -12,7 +12,7 @@ use crate::board::{Emulated, Port};
 use crate::clock_rules::ClockRules;
 use crate::driver_line::DriverLines;
 use crate::half_periods::Laps;
-use crate::heat::{Climate, HeatWatch, fitted};
+use crate::heat_pins::{Climate, HeatWatch, fitted};
 use crate::mechanics::Mechanics;
 use crate::safety::Safety;
 use crate::sensor_bus::SensorBus;

@@ -2,7 +2,7 @@
 
 use crate::common::{Bench, MS, bench_of, firmware, heated, print_on};
 use corehbot::settings::{Settings, Tachometer};
-use corehbot_emulator::heat::{Climate, Mishap};
+use corehbot_emulator::heat_pins::{Climate, Mishap};
 use corehbot_emulator::run::Seen;
 use corehbot_emulator::watch::End;
 use corehbot_emulator::wiring::Pin;

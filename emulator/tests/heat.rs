@@ -7,7 +7,7 @@ use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot::units::{Seconds, TICKS_PER_MS};
 use corehbot_emulator::compare::{Timing, difference, scheduled, timing};
-use corehbot_emulator::heat::{Climate, Mishap, Sample};
+use corehbot_emulator::heat_pins::{Climate, Mishap, Sample};
 use corehbot_emulator::run::Seen;
 use corehbot_emulator::watch::End;
 use corehbot_rig::plant::{HeaterFault, PlantFaults, SensorFault};

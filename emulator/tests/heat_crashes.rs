@@ -2,7 +2,7 @@
 //! power. The cause is reported after the reset, and nothing heats by itself any more. Times are measured at pins.
 
 use crate::common::{Bench, MS, firmware, heated_bench, print_on};
-use corehbot_emulator::heat::Climate;
+use corehbot_emulator::heat_pins::Climate;
 use corehbot_emulator::line::Manner;
 use corehbot_emulator::run::Seen;
 use corehbot_emulator::trap::{PANIC_CALL, Place, Trap};

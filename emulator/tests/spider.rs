@@ -6,7 +6,7 @@ use corehbot::connectors::Output;
 use corehbot::settings::{FanRole, Settings};
 use corehbot_emulator::driver_line::DriverLines;
 use corehbot_emulator::firmware::Firmware;
-use corehbot_emulator::heat::{Climate, Edge, Sample};
+use corehbot_emulator::heat_pins::{Climate, Edge, Sample};
 use corehbot_emulator::run::Seen;
 use corehbot_emulator::trap::{Place, Trap};
 use corehbot_emulator::watch::{End, Injection, With};

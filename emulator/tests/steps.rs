@@ -5,7 +5,7 @@ use corehbot::motors::{MotorSet, prototype};
 use corehbot::settings::Settings;
 use corehbot_emulator::compare::{difference, scheduled, timing};
 use corehbot_emulator::firmware::Firmware;
-use corehbot_emulator::heat::Climate;
+use corehbot_emulator::heat_pins::Climate;
 use corehbot_emulator::run::Seen;
 use corehbot_emulator::steps::StepEvent;
 use corehbot_emulator::watch::End;

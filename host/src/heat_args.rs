@@ -5,7 +5,7 @@ use anyhow::{Context as _, Result, bail};
 use clap::Args;
 use corehbot::settings::Settings;
 use corehbot_machine_file::file_kind::Wanted;
-use corehbot_rig::heat::constants;
+use corehbot_rig::thermal_plant::constants;
 use corehbot_sim::accident::Accident;
 use corehbot_sim::heat_plant::{HeatSetup, truth};
 use std::path::{Path, PathBuf};

@@ -2,7 +2,7 @@
 
 use corehbot::motors::MotorName;
 use corehbot::settings::ranges;
-use corehbot::settings::rows::{Kind, Legal, Row, Text};
+use corehbot::settings::rows::{Legal, Row, Text, ValueKind};
 use corehbot::settings::table::described;
 use corehbot_twin::description::Routing;
 use corehbot_twin::math::powi;
@@ -239,30 +239,35 @@ pub(crate) fn names_of(name: fn(usize) -> Option<&'static str>) -> Vec<&'static 
 }
 
 /// Bits after the point of a kind of number; 0 of whole ones.
-pub(crate) const fn fraction(kind: Kind) -> u32 {
+pub(crate) const fn fraction(kind: ValueKind) -> u32 {
     match kind {
-        Kind::Fixed(bits) | Kind::Auto(bits) => bits,
-        Kind::Whole
-        | Kind::OfMotor
-        | Kind::Place
-        | Kind::Switch
-        | Kind::Choice(_)
-        | Kind::Name
-        | Kind::MotorName
-        | Kind::Plug
-        | Kind::Thermistor
-        | Kind::MotorRow => 0,
+        ValueKind::Fixed(bits) | ValueKind::Auto(bits) => bits,
+        ValueKind::Whole
+        | ValueKind::OfMotor
+        | ValueKind::Place
+        | ValueKind::Switch
+        | ValueKind::Choice(_)
+        | ValueKind::Name
+        | ValueKind::MotorName
+        | ValueKind::Plug
+        | ValueKind::Thermistor
+        | ValueKind::MotorRow => 0,
     }
 }
 
 /// The legal numbers, in words.
-pub(crate) fn legal_words(legal: Legal, kind: Kind) -> String {
+pub(crate) fn legal_words(legal: Legal, kind: ValueKind) -> String {
     // The greatest of these is no place.
-    let most = if matches!(kind, Kind::Place) { legal.most.min(ranges::SCREW_PLACE.most.into()) } else { legal.most };
+    let most =
+        if matches!(kind, ValueKind::Place) { legal.most.min(ranges::SCREW_PLACE.most.into()) } else { legal.most };
     let [least, most] = [legal.least, most].map(|bits| shortest(bits, fraction(kind)));
-    let whole = if matches!(kind, Kind::Whole | Kind::OfMotor | Kind::Place) { "the whole numbers " } else { "" };
+    let whole = if matches!(kind, ValueKind::Whole | ValueKind::OfMotor | ValueKind::Place) {
+        "the whole numbers "
+    } else {
+        ""
+    };
     // Files say this 0 by a word, or by nothing.
-    let is_hidden = matches!(kind, Kind::Auto(_) | Kind::OfMotor);
+    let is_hidden = matches!(kind, ValueKind::Auto(_) | ValueKind::OfMotor);
     let zero = if legal.may_be_zero && legal.least > 0 && !is_hidden { "0 and " } else { "" };
     format!("{zero}{whole}{least} to {most}")
 }

@@ -2,16 +2,16 @@
 
 use crate::error::MachineFileError;
 use crate::keys::{bits_of, fraction, legal_words};
-use corehbot::settings::rows::{Kind, Legal};
+use corehbot::settings::rows::{Legal, ValueKind};
 use toml::Value as Toml;
 
 /// A number in its range.
 ///
 /// # Errors
 /// The problem of the value.
-pub(crate) fn number(key: &str, toml: &Toml, kind: Kind, legal: Legal) -> Result<i64, MachineFileError> {
+pub(crate) fn number(key: &str, toml: &Toml, kind: ValueKind, legal: Legal) -> Result<i64, MachineFileError> {
     let number = float(key, toml)?;
-    let is_whole = number.fract() == 0.0 || !matches!(kind, Kind::Whole | Kind::OfMotor | Kind::Place);
+    let is_whole = number.fract() == 0.0 || !matches!(kind, ValueKind::Whole | ValueKind::OfMotor | ValueKind::Place);
     match bits_of(number, fraction(kind)) {
         Some(bits) if is_whole && legal.holds(bits) => Ok(bits),
         _ => Err(MachineFileError::Range { key: key.to_owned(), value: number, legal: legal_words(legal, kind) }),

@@ -6,7 +6,7 @@ use crate::value;
 use corehbot::connectors::BoardConnectors;
 use corehbot::kinematics::SCREWS;
 use corehbot::motors::{MOTORS, MotorName, prototype};
-use corehbot::settings::rows::{Field, Key, Kind, Value, Visitor};
+use corehbot::settings::rows::{Field, Key, Value, ValueKind, Visitor};
 use corehbot::settings::{Bed, Belt, Endstop, HomedAxis, MachineName, PHASES, Range, Screw, Settings, Wiring, ranges};
 use corehbot::units::Mm;
 use corehbot_boards as boards;
@@ -91,7 +91,7 @@ impl Given {
                 let Toml::Array(items) = toml else {
                     return Err(MachineFileError::kind(path, "a list", toml));
                 };
-                if let Kind::Choice(_) = text.kind
+                if let ValueKind::Choice(_) = text.kind
                     && items.len() != row.tables.len()
                 {
                     return Err(MachineFileError::Length { key: path.to_owned(), wanted: row.tables.len() });
@@ -113,7 +113,7 @@ impl Given {
             }
             Of::Other(other) if other.name == FULL_STEPS => {
                 let legal = value::FULL_STEPS.spec().legal;
-                let number = value::number(path, toml, Kind::Whole, legal)?;
+                let number = value::number(path, toml, ValueKind::Whole, legal)?;
                 self.numbers.insert(path.to_owned(), number as f64);
             }
             Of::Twin(row) => {

@@ -5,7 +5,7 @@ use crate::value::{float_toml, toml};
 use crate::written::values;
 use corehbot::motors::prototype;
 use corehbot::settings::Settings;
-use corehbot::settings::rows::{Kind, Row, Text, Value};
+use corehbot::settings::rows::{Row, Text, Value, ValueKind};
 use corehbot::settings::table::described;
 use corehbot_twin::description::Routing;
 use corehbot_twin::params::{ROWS, Row as TwinRow};
@@ -83,15 +83,17 @@ fn keys(row: &Row) -> String {
 /// The legal values.
 fn range(row: &Row, text: &Text) -> String {
     let of = |part| match text.kind {
-        Kind::Fixed(_) | Kind::Whole | Kind::OfMotor | Kind::Place => legal_words(row.legal(part), text.kind),
-        Kind::Auto(_) => format!("\"auto\" or {}", legal_words(row.legal(part), text.kind)),
-        Kind::Switch => "true, false".to_owned(),
-        Kind::Choice(name) => names_of(name).join(", "),
-        Kind::Name => "24 characters".to_owned(),
-        Kind::MotorName => "4 characters".to_owned(),
-        Kind::Plug => "8 characters".to_owned(),
-        Kind::Thermistor => "see [heat](../explanation/heat.md)".to_owned(),
-        Kind::MotorRow => "3 or 4 numbers".to_owned(),
+        ValueKind::Fixed(_) | ValueKind::Whole | ValueKind::OfMotor | ValueKind::Place => {
+            legal_words(row.legal(part), text.kind)
+        }
+        ValueKind::Auto(_) => format!("\"auto\" or {}", legal_words(row.legal(part), text.kind)),
+        ValueKind::Switch => "true, false".to_owned(),
+        ValueKind::Choice(name) => names_of(name).join(", "),
+        ValueKind::Name => "24 characters".to_owned(),
+        ValueKind::MotorName => "4 characters".to_owned(),
+        ValueKind::Plug => "8 characters".to_owned(),
+        ValueKind::Thermistor => "see [heat](../explanation/heat.md)".to_owned(),
+        ValueKind::MotorRow => "3 or 4 numbers".to_owned(),
     };
     listed((0..row.tables.len()).map(of))
 }
@@ -100,7 +102,7 @@ fn range(row: &Row, text: &Text) -> String {
 fn defaults(row: &Row, text: &Text) -> String {
     let values = values(&Settings::prototype());
     let is_of_prototype = |part: usize, value: &Value| match (text.kind, value) {
-        (Kind::MotorName, Value::Text(name)) => !name.is_empty(),
+        (ValueKind::MotorName, Value::Text(name)) => !name.is_empty(),
         _ => row.tables.get(part).is_some_and(|table| named(table, &prototype::NAMES).is_some()),
     };
     let values = values.range((row.id, 0)..=(row.id, usize::MAX));

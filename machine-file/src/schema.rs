@@ -8,7 +8,7 @@ use crate::thermistor;
 use crate::value;
 use crate::written;
 use corehbot::motors::prototype;
-use corehbot::settings::rows::{Kind, Legal, Text};
+use corehbot::settings::rows::{Legal, Text, ValueKind};
 use corehbot::settings::{SHEETS, Settings, ranges};
 use corehbot_twin::description::Routing;
 use corehbot_twin::params::{MOST_PARTS, Range, Row as TwinRow};
@@ -24,7 +24,7 @@ pub fn schema() -> Value {
             Of::Setting { row, text, part } => described(text, of_kind(text.kind, row.legal(part))),
             Of::List { row, text } => {
                 let item = of_kind(text.kind, row.legal(0));
-                let least = if matches!(text.kind, Kind::Choice(_)) { row.tables.len() } else { 0 };
+                let least = if matches!(text.kind, ValueKind::Choice(_)) { row.tables.len() } else { 0 };
                 let list = json!({ "type": "array", "items": item, "minItems": least, "maxItems": row.tables.len() });
                 described(text, list)
             }
@@ -128,23 +128,23 @@ fn described(text: &Text, mut schema: Value) -> Value {
     schema
 }
 
-fn of_kind(kind: Kind, legal: Legal) -> Value {
+fn of_kind(kind: ValueKind, legal: Legal) -> Value {
     match kind {
-        Kind::Fixed(_) => number("number", kind, legal),
-        Kind::Whole => number("integer", kind, legal),
-        Kind::Place => number("integer", kind, Legal { most: legal.most - 1, ..legal }),
-        Kind::OfMotor => number("integer", kind, Legal { may_be_zero: false, ..legal }),
-        Kind::Auto(_) => {
+        ValueKind::Fixed(_) => number("number", kind, legal),
+        ValueKind::Whole => number("integer", kind, legal),
+        ValueKind::Place => number("integer", kind, Legal { most: legal.most - 1, ..legal }),
+        ValueKind::OfMotor => number("integer", kind, Legal { may_be_zero: false, ..legal }),
+        ValueKind::Auto(_) => {
             let number = number("number", kind, Legal { may_be_zero: false, ..legal });
             json!({ "anyOf": [{ "type": "string", "enum": ["auto"] }, number] })
         }
-        Kind::Switch => json!({ "type": "boolean" }),
-        Kind::Choice(name) => json!({ "type": "string", "enum": names_of(name) }),
-        Kind::Name => json!({ "type": "string" }),
-        Kind::MotorName => json!({ "type": "string", "pattern": MOTOR_NAME }),
-        Kind::Plug => json!({ "type": "string", "pattern": r"^(|!?[\x22-\x7e]{1,8})$" }),
-        Kind::Thermistor => {
-            let of_range = |legal: Legal| number("integer", Kind::Whole, legal);
+        ValueKind::Switch => json!({ "type": "boolean" }),
+        ValueKind::Choice(name) => json!({ "type": "string", "enum": names_of(name) }),
+        ValueKind::Name => json!({ "type": "string" }),
+        ValueKind::MotorName => json!({ "type": "string", "pattern": MOTOR_NAME }),
+        ValueKind::Plug => json!({ "type": "string", "pattern": r"^(|!?[\x22-\x7e]{1,8})$" }),
+        ValueKind::Thermistor => {
+            let of_range = |legal: Legal| number("integer", ValueKind::Whole, legal);
             let numbers = json!({
                 "type": "object",
                 "additionalProperties": false,
@@ -165,7 +165,7 @@ fn of_kind(kind: Kind, legal: Legal) -> Value {
             let names = SHEETS.map(|sheet| sheet.name);
             json!({ "anyOf": [{ "type": "string", "enum": names }, numbers, points] })
         }
-        Kind::MotorRow => {
+        ValueKind::MotorRow => {
             let most = corehbot::kinematics::MOST_MULTIPLE;
             let item = json!({ "type": "integer", "minimum": -most, "maximum": most });
             json!({ "type": "array", "items": item, "minItems": 3, "maxItems": 4 })
@@ -174,7 +174,7 @@ fn of_kind(kind: Kind, legal: Legal) -> Value {
 }
 
 /// A number from the least to the most, as short as they can be said.
-fn number(name: &str, kind: Kind, legal: Legal) -> Value {
+fn number(name: &str, kind: ValueKind, legal: Legal) -> Value {
     let least = if legal.may_be_zero { 0 } else { legal.least };
     let [least, most] = [least, legal.most].map(|bits| value::float_toml(shortest(bits, fraction(kind))));
     let mut schema = Map::from_iter([("type".to_owned(), json!(name))]);
@@ -213,7 +213,7 @@ fn of_twin(row: &TwinRow) -> Value {
 fn of_other(other: &Other) -> Value {
     let mut schema = match other.name {
         BOARD => json!({ "type": "string", "enum": corehbot_boards::all().map(|board| board.key).collect::<Vec<_>>() }),
-        FULL_STEPS => number("integer", Kind::Whole, value::FULL_STEPS.spec().legal),
+        FULL_STEPS => number("integer", ValueKind::Whole, value::FULL_STEPS.spec().legal),
         // Its range depends on other keys.
         _ => json!({ "type": "number", "exclusiveMinimum": 0 }),
     };

@@ -2,7 +2,7 @@
 
 use crate::error::MachineFileError;
 use crate::numbers::{float, float_toml, number};
-use corehbot::settings::rows::{Kind, Legal};
+use corehbot::settings::rows::{Legal, ValueKind};
 use corehbot::settings::{Thermistor, ranges};
 use corehbot_twin::math::{exp, ln};
 use toml::{Table, Value as Toml};
@@ -54,7 +54,7 @@ fn of_numbers(key: &str, table: &Table) -> Result<Thermistor, MachineFileError> 
     }
     let of = |name: &str, legal: Legal| {
         let value = table.get(name).ok_or_else(wrong)?;
-        number(&format!("{key}.{name}"), value, Kind::Whole, legal)
+        number(&format!("{key}.{name}"), value, ValueKind::Whole, legal)
     };
     let [ohms, beta, cubic] = NUMBERS;
     let (ohms, beta) = (of(ohms, ranges::OHMS.spec().legal)? as u32, of(beta, ranges::BETA.spec().legal)? as u16);

@@ -6,7 +6,7 @@ pub(crate) use crate::numbers::{float, float_toml, number};
 use crate::thermistor;
 use corehbot::kinematics::{self, MOST_MULTIPLE, Row};
 use corehbot::motors::MotorName;
-use corehbot::settings::rows::{Field, Kind, Legal, Text24, Value};
+use corehbot::settings::rows::{Field, Legal, Text24, Value, ValueKind};
 use corehbot::settings::{EndstopPlug, MachineName, Range, Thermistor, ranges};
 use corehbot_twin::params::{Each, MOST_PARTS, Row as TwinRow};
 use toml::Value as Toml;
@@ -18,10 +18,10 @@ const PLAIN_ZERO: i64 = 1;
 ///
 /// # Errors
 /// The problem of the value.
-pub(crate) fn value(key: &str, toml: &Toml, kind: Kind, legal: Legal) -> Result<Value, MachineFileError> {
+pub(crate) fn value(key: &str, toml: &Toml, kind: ValueKind, legal: Legal) -> Result<Value, MachineFileError> {
     match kind {
-        Kind::Fixed(_) | Kind::Whole => number(key, toml, kind, legal).map(Value::Number),
-        Kind::Auto(_) => match toml {
+        ValueKind::Fixed(_) | ValueKind::Whole => number(key, toml, kind, legal).map(Value::Number),
+        ValueKind::Auto(_) => match toml {
             Toml::String(word) if word == "auto" => Ok(Value::Number(0)),
             // 0 is "auto", which a file says by that word. Where 0 is a legal number too, the least one above it says
             // 0.
@@ -33,33 +33,33 @@ pub(crate) fn value(key: &str, toml: &Toml, kind: Kind, legal: Legal) -> Result<
             other => Err(MachineFileError::kind(key, "\"auto\" or a number of seconds", other)),
         },
         // The greatest is no place, which a file does not say.
-        Kind::Place => number(key, toml, kind, Legal { most: legal.most - 1, ..legal }).map(Value::Number),
+        ValueKind::Place => number(key, toml, kind, Legal { most: legal.most - 1, ..legal }).map(Value::Number),
         // 0 is the value of the group, which a file does not say.
-        Kind::OfMotor => number(key, toml, kind, Legal { may_be_zero: false, ..legal }).map(Value::Number),
-        Kind::Switch => match toml {
+        ValueKind::OfMotor => number(key, toml, kind, Legal { may_be_zero: false, ..legal }).map(Value::Number),
+        ValueKind::Switch => match toml {
             Toml::Boolean(is) => Ok(Value::Number((*is).into())),
             other => Err(MachineFileError::kind(key, "true or false", other)),
         },
-        Kind::Choice(name) => match toml {
+        ValueKind::Choice(name) => match toml {
             Toml::String(word) => choice(key, word, &names_of(name)).map(|number| Value::Number(number as i64)),
             other => Err(MachineFileError::kind(key, "a name in quotes", other)),
         },
-        Kind::Name => match toml {
+        ValueKind::Name => match toml {
             Toml::String(name) if MachineName::new(name).is_some() => Ok(text(name)),
             Toml::String(name) => Err(MachineFileError::Name(name.clone())),
             other => Err(MachineFileError::kind(key, "a name in quotes", other)),
         },
-        Kind::MotorName => match toml {
+        ValueKind::MotorName => match toml {
             Toml::String(name) if MotorName::new(name).is_some_and(|name| !name.is_none()) => Ok(text(name)),
             Toml::String(name) => Err(MachineFileError::MotorName(name.clone())),
             other => Err(MachineFileError::kind(key, "names in quotes", other)),
         },
-        Kind::Plug => match toml {
+        ValueKind::Plug => match toml {
             Toml::String(name) => plug(key, name),
             other => Err(MachineFileError::kind(key, "the name of a connector in quotes", other)),
         },
-        Kind::Thermistor => thermistor::read(key, toml).map(|thermistor| thermistor.get()),
-        Kind::MotorRow => match toml {
+        ValueKind::Thermistor => thermistor::read(key, toml).map(|thermistor| thermistor.get()),
+        ValueKind::MotorRow => match toml {
             Toml::Array(items) => motor_row(key, items).map(|row| row.get()),
             other => Err(MachineFileError::kind(key, "a list of numbers", other)),
         },
@@ -134,16 +134,18 @@ fn motor_row(key: &str, items: &[Toml]) -> Result<Row, MachineFileError> {
 pub(crate) const FULL_STEPS: Range<u16> = Range { least: 20, most: 800 };
 
 /// A value as a machine file has it; `None` if it is left out.
-pub(crate) fn toml(value: &Value, kind: Kind) -> Option<Toml> {
+pub(crate) fn toml(value: &Value, kind: ValueKind) -> Option<Toml> {
     Some(match (value, kind) {
-        (Value::Absent, _) | (Value::Number(0), Kind::OfMotor) => return None,
-        (Value::Number(number), Kind::Place) if *number == i64::from(ranges::NOWHERE) => return None,
-        (Value::Number(0), Kind::Auto(_)) => "auto".into(),
-        (Value::Number(PLAIN_ZERO), Kind::Auto(_)) => 0.into(),
-        (Value::Number(bits), Kind::Fixed(fraction) | Kind::Auto(fraction)) => float_toml(shortest(*bits, fraction)),
-        (Value::Number(number), Kind::Switch) => (*number != 0).into(),
-        (Value::Number(number), Kind::Choice(name)) => name(usize::try_from(*number).ok()?)?.into(),
-        (Value::Number(_), Kind::Thermistor) => {
+        (Value::Absent, _) | (Value::Number(0), ValueKind::OfMotor) => return None,
+        (Value::Number(number), ValueKind::Place) if *number == i64::from(ranges::NOWHERE) => return None,
+        (Value::Number(0), ValueKind::Auto(_)) => "auto".into(),
+        (Value::Number(PLAIN_ZERO), ValueKind::Auto(_)) => 0.into(),
+        (Value::Number(bits), ValueKind::Fixed(fraction) | ValueKind::Auto(fraction)) => {
+            float_toml(shortest(*bits, fraction))
+        }
+        (Value::Number(number), ValueKind::Switch) => (*number != 0).into(),
+        (Value::Number(number), ValueKind::Choice(name)) => name(usize::try_from(*number).ok()?)?.into(),
+        (Value::Number(_), ValueKind::Thermistor) => {
             let mut kind = Thermistor::PT1000;
             kind.set(value).then_some(())?;
             match kind {
@@ -151,14 +153,19 @@ pub(crate) fn toml(value: &Value, kind: Kind) -> Option<Toml> {
                 Thermistor::Sheet(_) => kind.sheet()?.name.into(),
             }
         }
-        (Value::Number(_), Kind::MotorRow) => {
+        (Value::Number(_), ValueKind::MotorRow) => {
             let mut row = Row::default();
             row.set(value).then_some(())?;
             Toml::Array(row.map(|times| i64::from(times).into()).to_vec())
         }
         (
             Value::Number(number),
-            Kind::Whole | Kind::OfMotor | Kind::Place | Kind::Name | Kind::MotorName | Kind::Plug,
+            ValueKind::Whole
+            | ValueKind::OfMotor
+            | ValueKind::Place
+            | ValueKind::Name
+            | ValueKind::MotorName
+            | ValueKind::Plug,
         ) => (*number).into(),
         (Value::Text(text), _) => text.as_str().into(),
     })

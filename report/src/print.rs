@@ -6,7 +6,7 @@
 //! the browser still reads the rest.
 
 mod belt;
-mod heat;
+mod heat_chart;
 mod machine;
 
 use crate::fault::Fault;
@@ -31,7 +31,7 @@ use corehbot_sim::slicer::{LineType, Notes};
 use corehbot_sim::tally::Figures;
 use flate2::Compression;
 use flate2::write::DeflateEncoder;
-use heat::HeatData;
+use heat_chart::HeatData;
 use machine::{MachineData, ShaperSince};
 use serde::Serialize;
 use std::io::{self, Read, Seek, Write};

@@ -14,7 +14,7 @@ use crate::spectrogram::Spectrogram;
 use crate::spectrum::{Density, Spectrum, WINDOW_S};
 use crate::sweep::Sweep;
 use corehbot_twin::shaping::by_tool::{Machines, RINGING, suggested};
-use corehbot_twin::shaping::shaper::{Impulse, Kind};
+use corehbot_twin::shaping::shaper::{Impulse, ShaperKind};
 use corehbot_twin::shaping::wall::{Lag, Print, WallError, net_rounding};
 use serde::Serialize;
 
@@ -263,9 +263,9 @@ fn rank(recordings: &[Measured], spectra: &[Normalised], own: Option<&Rated>, qu
             worst_wall: machines.worst(&impulses),
         }
     };
-    let best = |kind: Kind| net(Shaper::Own(kind), machines.frequency_hz(kind), damping);
+    let best = |kind: ShaperKind| net(Shaper::Own(kind), machines.frequency_hz(kind), damping);
     // The shortest comes first here.
-    let mut shapers: Vec<Net> = Kind::ALL.into_iter().map(best).collect();
+    let mut shapers: Vec<Net> = ShaperKind::ALL.into_iter().map(best).collect();
     let errors: Vec<f64> = shapers.iter().map(|s| s.worst_wall.rms_um).collect();
     let nearest = *shapers.get(suggested(&errors)?)?;
     shapers.sort_by(|a, b| a.worst_wall.rms_um.total_cmp(&b.worst_wall.rms_um));

@@ -64,7 +64,7 @@ pub struct Choice {
 
 /// Lowest frequency that is tried.
 const fn lowest_hz(shaper: Shaper) -> f64 {
-    use corehbot_twin::shaping::shaper::Kind::{Ei, Mzv, TwoHumpEi, Zv, Zvd};
+    use corehbot_twin::shaping::shaper::ShaperKind::{Ei, Mzv, TwoHumpEi, Zv, Zvd};
     match shaper {
         Shaper::Own(Zv) => 21.0,
         Shaper::Own(Mzv) => 23.0,
@@ -220,7 +220,7 @@ fn with_acceleration(rated: Rated, damping: f64) -> Rated {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use corehbot_twin::shaping::shaper::Kind;
+    use corehbot_twin::shaping::shaper::ShaperKind;
 
     /// The response of a mode, as a normalised spectrum.
     fn peak(hz: f64, damping: f64) -> Vec<f64> {
@@ -253,8 +253,8 @@ mod tests {
             let least = alone.remaining_vibration.min(other.remaining_vibration);
             assert!(both.remaining_vibration >= least, "{both:?}");
         }
-        let one = rated(Shaper::Own(Kind::Mzv), 55.0, DAMPING, &[low, high]).remaining_vibration;
-        let each = [low, high].map(|s| rated(Shaper::Own(Kind::Mzv), 55.0, DAMPING, &[s]).remaining_vibration);
+        let one = rated(Shaper::Own(ShaperKind::Mzv), 55.0, DAMPING, &[low, high]).remaining_vibration;
+        let each = [low, high].map(|s| rated(Shaper::Own(ShaperKind::Mzv), 55.0, DAMPING, &[s]).remaining_vibration);
         assert!((one - each[0].max(each[1])).abs() < 1e-12, "{one} {each:?}");
     }
 }

@@ -3,14 +3,14 @@
 //! The firmware's come from `corehbot_twin::shaping`. The one with three humps is Singhose, Seering and Singer's (1996)
 //! in the fit over the damping that Klipper uses, `shaper_defs.py`.
 
-use corehbot_twin::shaping::shaper::{self, Impulse, Kind};
+use corehbot_twin::shaping::shaper::{self, Impulse, ShaperKind};
 use serde::Serialize;
 
 /// A shaper that is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Shaper {
     /// One of this firmware.
-    Own(Kind),
+    Own(ShaperKind),
     /// Extra insensitive with three humps.
     ThreeHumpEi,
 }
@@ -18,11 +18,11 @@ pub enum Shaper {
 impl Shaper {
     /// All of them, the shortest first: Klipper tries them in this order.
     pub const ALL: [Self; 6] = [
-        Self::Own(Kind::Zv),
-        Self::Own(Kind::Mzv),
-        Self::Own(Kind::Zvd),
-        Self::Own(Kind::Ei),
-        Self::Own(Kind::TwoHumpEi),
+        Self::Own(ShaperKind::Zv),
+        Self::Own(ShaperKind::Mzv),
+        Self::Own(ShaperKind::Zvd),
+        Self::Own(ShaperKind::Ei),
+        Self::Own(ShaperKind::TwoHumpEi),
         Self::ThreeHumpEi,
     ];
 
@@ -44,7 +44,7 @@ impl Shaper {
     /// Whether Klipper chooses among it. Klipper has ZVD, but never suggests it.
     #[must_use]
     pub const fn in_klippers_choice(self) -> bool {
-        !matches!(self, Self::Own(Kind::Zvd))
+        !matches!(self, Self::Own(ShaperKind::Zvd))
     }
 
     /// Its parts.

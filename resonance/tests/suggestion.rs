@@ -6,12 +6,13 @@ mod plant;
 use corehbot_resonance::axis::{Axis, Named, POOR_DB, Question, judge, measure};
 use corehbot_resonance::label;
 use corehbot_resonance::sweep::Sweep;
-use corehbot_twin::shaping::shaper::{Impulse, Kind, impulses};
+use corehbot_twin::shaping::shaper::{Impulse, ShaperKind, impulses};
 use plant::{Mode, Noise, Plant, shaken};
 use std::f64::consts::{SQRT_2, TAU};
 
 /// Kinds of M593 among those that Klipper suggests, with the lowest frequency that it tries.
-const KINDS: [(Kind, f64); 4] = [(Kind::Zv, 21.0), (Kind::Mzv, 23.0), (Kind::Ei, 29.0), (Kind::TwoHumpEi, 39.0)];
+const KINDS: [(ShaperKind, f64); 4] =
+    [(ShaperKind::Zv, 21.0), (ShaperKind::Mzv, 23.0), (ShaperKind::Ei, 29.0), (ShaperKind::TwoHumpEi, 39.0)];
 
 /// Random machines. More of them by `MACHINES=1000`.
 fn machines() -> u64 {
@@ -54,7 +55,7 @@ fn smoothing(shaper: &[Impulse]) -> f64 {
 /// A shaper with what it leaves, its smoothing and its score.
 #[derive(Clone)]
 struct Tried {
-    kind: Kind,
+    kind: ShaperKind,
     impulses: Vec<Impulse>,
     left: f64,
     smoothing: f64,
@@ -89,8 +90,8 @@ fn klippers(density: &[(f64, f64)]) -> Tried {
         firsts.push(own);
     }
     let best = best.unwrap();
-    let calmer = firsts.into_iter().find(|one| one.kind != Kind::Zv && one.left * 1.1 < best.left);
-    if best.kind == Kind::Zv { calmer.unwrap_or(best) } else { best }
+    let calmer = firsts.into_iter().find(|one| one.kind != ShaperKind::Zv && one.left * 1.1 < best.left);
+    if best.kind == ShaperKind::Zv { calmer.unwrap_or(best) } else { best }
 }
 
 /// |H|^2 of a plant.
@@ -143,7 +144,7 @@ fn judged(plant: &Plant, sweep: Sweep, noise: f64, seed: u64) -> Axis {
 fn shaper_of(line: &str) -> Vec<Impulse> {
     let number =
         |letter: char| -> f64 { line.split(' ').find_map(|word| word.strip_prefix(letter)).unwrap().parse().unwrap() };
-    let kind = Kind::ALL.into_iter().find(|kind| f64::from(kind.number()) == number('T')).unwrap();
+    let kind = ShaperKind::ALL.into_iter().find(|kind| f64::from(kind.number()) == number('T')).unwrap();
     impulses(kind, number('F'), number('D'))
 }
 

@@ -12,14 +12,14 @@ use serde::{Deserialize, Serialize};
 
 /// A type of sensor.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
-pub enum Kind {
+pub enum SensorKind {
     /// Analog Devices.
     Adxl345,
     /// STMicroelectronics.
     Lis2dw12,
 }
 
-impl Kind {
+impl SensorKind {
     /// Its name.
     #[must_use]
     pub const fn name(self) -> &'static str {

@@ -5,7 +5,7 @@ mod turns;
 use super::chip::{Chip, Held, Shown};
 use super::error::{DriverError, Fault, News};
 use super::reading::Reading;
-use super::run::{Job, Next, Run};
+use super::run::{DriverJob, Next, Run};
 use super::watch::Watch;
 use crate::motors::{MOTORS, Motor, MotorName, MotorSet};
 use crate::port::{BusError, DriverBus, Frame, MotorPower};
@@ -48,7 +48,7 @@ pub struct Drivers<C: Chip> {
     /// The owner of the exchange on the wire.
     on_wire: Option<Turn>,
     /// The job that a caller waits for, and its result.
-    asked: Option<(Job, Motor)>,
+    asked: Option<(DriverJob, Motor)>,
     is_awaited: bool,
     result: Option<Result<Reading, DriverError>>,
     fault: Option<Fault>,
@@ -178,7 +178,7 @@ impl<C: Chip> Drivers<C> {
     }
 
     /// Begins a job as soon as possible, and drops the result of the previous one.
-    pub fn ask(&mut self, job: Job, motor: Motor) {
+    pub fn ask(&mut self, job: DriverJob, motor: Motor) {
         (self.asked, self.is_awaited, self.result) = (Some((job, motor)), false, None);
     }
 
@@ -268,9 +268,11 @@ impl<C: Chip> Drivers<C> {
         let has_power = self.powered.has(motor);
         let driver = self.get_mut(motor)?;
         match (run.job, result) {
-            (Job::Verify | Job::Adjust, Ok(_)) => (driver.held, driver.proved) = (Some(run.config), Some(now)),
-            (Job::Verify, Err(_)) => driver.held = None,
-            (Job::Poll, Ok(reading)) => {
+            (DriverJob::Verify | DriverJob::Adjust, Ok(_)) => {
+                (driver.held, driver.proved) = (Some(run.config), Some(now))
+            }
+            (DriverJob::Verify, Err(_)) => driver.held = None,
+            (DriverJob::Poll, Ok(reading)) => {
                 if run.is_of_flags() {
                     self.watch.note_well(motor);
                 }
@@ -279,22 +281,22 @@ impl<C: Chip> Drivers<C> {
                 driver.is_warned |= is_new;
                 return is_new.then_some(News::Hot(motor));
             }
-            (Job::Poll, Err(error)) if has_power && run.is_part_of_the_story(error) => {
-                self.urgent = Some(Run::new(motor, Job::Poll, run.config, true));
+            (DriverJob::Poll, Err(error)) if has_power && run.is_part_of_the_story(error) => {
+                self.urgent = Some(Run::new(motor, DriverJob::Poll, run.config, true));
                 return None;
             }
-            (Job::Poll | Job::Adjust, Err(error)) if has_power => {
+            (DriverJob::Poll | DriverJob::Adjust, Err(error)) if has_power => {
                 let fault = Fault { motor, name: driver.name, error };
                 self.fault.get_or_insert(fault);
                 return Some(News::Stopped(fault));
             }
             // It lost its power in between, and must prove everything before its next power-up.
-            (Job::Adjust, Err(_)) => driver.held = None,
-            (Job::Poll, Err(_)) => {
+            (DriverJob::Adjust, Err(_)) => driver.held = None,
+            (DriverJob::Poll, Err(_)) => {
                 driver.held = None;
                 return None;
             }
-            (Job::Read | Job::Load | Job::Phase, _) => {}
+            (DriverJob::Read | DriverJob::Load | DriverJob::Phase, _) => {}
         }
         if core::mem::take(&mut self.is_awaited) {
             self.result = Some(result);

@@ -29,5 +29,5 @@ pub use chip::{Check, Chip, Held, Scripts, Shown, Step};
 pub use drivers::Drivers;
 pub use error::{DriverError, Fault, News};
 pub use reading::{LOADS, Reading, Registers};
-pub use run::Job;
+pub use run::DriverJob;
 pub use tmc2209::{Register, Tmc2209};

@@ -20,7 +20,7 @@ const ROUNDS: u8 = 3;
 
 /// A task for a driver.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Job {
+pub enum DriverJob {
     /// Prove its configuration, and write it if necessary. The motor has no power.
     Verify,
     /// Change the configuration of a motor that has power.
@@ -77,7 +77,7 @@ enum Doubt {
 #[derive(Debug)]
 pub(super) struct Run<C: Chip> {
     pub motor: Motor,
-    pub job: Job,
+    pub job: DriverJob,
     /// The required configuration.
     pub config: C::Config,
     steps: &'static [Step<C::Register>],
@@ -100,15 +100,15 @@ impl<C: Chip> Copy for Run<C> {}
 
 impl<C: Chip> Run<C> {
     /// A new run; a driver that `is_configured` may use the quick proof.
-    pub fn new(motor: Motor, job: Job, config: C::Config, is_configured: bool) -> Self {
+    pub fn new(motor: Motor, job: DriverJob, config: C::Config, is_configured: bool) -> Self {
         let steps = match job {
-            Job::Verify if is_configured => C::SCRIPTS.check,
-            Job::Verify => C::SCRIPTS.configure,
-            Job::Adjust => C::SCRIPTS.adjust,
-            Job::Poll => C::SCRIPTS.poll,
-            Job::Read => C::SCRIPTS.read,
-            Job::Load => C::SCRIPTS.load,
-            Job::Phase => C::SCRIPTS.phase,
+            DriverJob::Verify if is_configured => C::SCRIPTS.check,
+            DriverJob::Verify => C::SCRIPTS.configure,
+            DriverJob::Adjust => C::SCRIPTS.adjust,
+            DriverJob::Poll => C::SCRIPTS.poll,
+            DriverJob::Read => C::SCRIPTS.read,
+            DriverJob::Load => C::SCRIPTS.load,
+            DriverJob::Phase => C::SCRIPTS.phase,
         };
         let reading = Reading::default();
         Self { motor, job, config, steps, at: 0, tries: 0, rounds: 0, doubt: Doubt::None, count: 0, reading }
@@ -116,7 +116,7 @@ impl<C: Chip> Run<C> {
 
     /// A look at a driver with power and the configuration `config`.
     pub fn look(motor: Motor, look: Look, config: C::Config) -> Self {
-        Self { steps: look.steps::<C>(), ..Self::new(motor, Job::Poll, config, true) }
+        Self { steps: look.steps::<C>(), ..Self::new(motor, DriverJob::Poll, config, true) }
     }
 
     /// Whether it is a look at the flags alone.
@@ -213,16 +213,17 @@ impl<C: Chip> Run<C> {
     /// A driver is wrong: writes its configuration again, if writing is allowed now.
     fn fail(&mut self, error: DriverError) -> Next {
         let again = match (self.job, error) {
-            (Job::Poll | Job::Read | Job::Load | Job::Phase, _) | (_, DriverError::WrongChip(..)) => false,
-            (Job::Verify, _) => true,
-            (Job::Adjust, _) => {
+            (DriverJob::Poll | DriverJob::Read | DriverJob::Load | DriverJob::Phase, _)
+            | (_, DriverError::WrongChip(..)) => false,
+            (DriverJob::Verify, _) => true,
+            (DriverJob::Adjust, _) => {
                 matches!(error, DriverError::NotTaken | DriverError::Differs(_) | DriverError::Microsteps)
             }
         };
         if !again || self.rounds >= ROUNDS {
             return Next::Done(Err(error));
         }
-        if self.job == Job::Verify {
+        if self.job == DriverJob::Verify {
             self.steps = C::SCRIPTS.configure;
         }
         (self.rounds, self.at, self.tries, self.doubt) = (self.rounds + 1, 0, 0, Doubt::None);

@@ -5,7 +5,7 @@ use super::framing::Frame;
 use super::numbering::{Numbering, ResendReason, Verdict};
 use super::ring::{Ring, SHORT};
 use super::silence::{Activity, Prompt, Silence};
-use super::sorting::{Kind, Owed, kind_of};
+use super::sorting::{LineKind, Owed, kind_of};
 use super::syntax::{line_number, skip_blanks};
 use crate::port::Received;
 use crate::units::Instant;
@@ -117,7 +117,7 @@ impl Receiver {
     pub fn makes_room(&mut self) -> bool {
         self.sort_out();
         let tail = self.ring.line(self.ring.entries_up_to(self.sorted));
-        self.has_spare() || (kind_of(&tail) == Kind::Unknown && self.ring.has_room())
+        self.has_spare() || (kind_of(&tail) == LineKind::Unknown && self.ring.has_room())
     }
 
     /// Takes out the lines that need not stay.
@@ -136,7 +136,7 @@ impl Receiver {
         *sorted = oldest.wrapping_add(from as u32);
         ring.retain(from, overtaken, |place, line| {
             let kind = kind_of(line);
-            let is_passed_over = kind == Kind::Numbered && place + line.length > NUMBERED;
+            let is_passed_over = kind == LineKind::Numbered && place + line.length > NUMBERED;
             *is_skipping |= is_passed_over && !line.is_whole;
             *missing += u32::from(is_passed_over && line.is_whole);
             let stays = !(is_passed_over || line.is_whole && owed.takes(kind));
@@ -157,8 +157,8 @@ impl Receiver {
             let line = self.ring.line(0);
             let kind = kind_of(&line);
             let waits = match kind {
-                Kind::Acted => true,
-                Kind::Position { .. } => !rests,
+                LineKind::Acted => true,
+                LineKind::Position { .. } => !rests,
                 _ => false,
             };
             if !line.is_whole || waits || !self.owed.takes(kind) {

@@ -21,7 +21,7 @@ use core::fmt;
 
 /// What a line is, as far as its sorting goes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Kind {
+pub(super) enum LineKind {
     /// Its beginning may become anything.
     Unknown,
     /// Nothing; it gets no reply.
@@ -74,16 +74,16 @@ impl Owed {
 
     /// A line of this kind is answered now: each has one `ok`, and one report stands for all of its kind. False if it
     /// cannot be.
-    pub(super) const fn takes(&mut self, kind: Kind) -> bool {
+    pub(super) const fn takes(&mut self, kind: LineKind) -> bool {
         match kind {
-            Kind::Unknown | Kind::Numbered | Kind::Other => return false,
-            Kind::Blank => return true,
-            Kind::Temperatures if !self.temperatures => {
+            LineKind::Unknown | LineKind::Numbered | LineKind::Other => return false,
+            LineKind::Blank => return true,
+            LineKind::Temperatures if !self.temperatures => {
                 self.temperatures = true;
                 return true;
             }
-            Kind::Temperatures | Kind::Answered | Kind::Acted => {}
-            Kind::Position { real } => self.position = Some(real),
+            LineKind::Temperatures | LineKind::Answered | LineKind::Acted => {}
+            LineKind::Position { real } => self.position = Some(real),
         }
         self.oks = self.oks.saturating_add(1);
         true
@@ -92,30 +92,30 @@ impl Owed {
 
 /// The kind of a line, or of its beginning. Inlined, it would be repeated in each of its three places.
 #[inline(never)]
-pub(super) fn kind_of(line: &Line) -> Kind {
+pub(super) fn kind_of(line: &Line) -> LineKind {
     let text = trim_end(skip_blanks(line.head()));
     let is_short = line.head().len() < HEAD;
     // Only a line number or a code may still become one that need not stay.
     if !line.is_whole && is_short {
-        return if matches!(text, [] | [b'N' | b'n' | b'M' | b'm', ..]) { Kind::Unknown } else { Kind::Other };
+        return if matches!(text, [] | [b'N' | b'n' | b'M' | b'm', ..]) { LineKind::Unknown } else { LineKind::Other };
     }
     if let Some((_, after)) = line_number(text) {
         let sets_number = matches!(m_code(skip_blanks(after)), Some((110, _)));
-        return if sets_number { Kind::Other } else { Kind::Numbered };
+        return if sets_number { LineKind::Other } else { LineKind::Numbered };
     }
     let is_plain = |byte: &u8| byte.is_ascii_alphanumeric() || *byte == b' ';
     match m_code(text) {
-        _ if text.is_empty() && is_short => Kind::Blank,
-        _ if matches!(text, [b';', ..]) && line.is_whole && !line.is_doubtful => Kind::Blank,
+        _ if text.is_empty() && is_short => LineKind::Blank,
+        _ if matches!(text, [b';', ..]) && line.is_whole && !line.is_doubtful => LineKind::Blank,
         // A comment, a checksum or a quote in it needs the real parser.
         Some((code, words)) if line.is_whole && is_short && words.iter().all(is_plain) => match code {
-            105 => Kind::Temperatures,
-            114 => Kind::Position { real: words.iter().any(|byte| byte.eq_ignore_ascii_case(&b'R')) },
-            27 => Kind::Answered,
-            108 | 410 | 524 | 999 => Kind::Acted,
-            _ => Kind::Other,
+            105 => LineKind::Temperatures,
+            114 => LineKind::Position { real: words.iter().any(|byte| byte.eq_ignore_ascii_case(&b'R')) },
+            27 => LineKind::Answered,
+            108 | 410 | 524 | 999 => LineKind::Acted,
+            _ => LineKind::Other,
         },
-        _ => Kind::Other,
+        _ => LineKind::Other,
     }
 }
 
@@ -125,7 +125,7 @@ mod tests {
     use super::*;
     use crate::port::Received;
 
-    fn kind(text: &str) -> Kind {
+    fn kind(text: &str) -> LineKind {
         let mut ring = Ring::new();
         text.bytes().for_each(|byte| ring.push(Received::Byte(byte)));
         kind_of(&ring.line(0))
@@ -134,26 +134,26 @@ mod tests {
     #[test]
     fn lines_that_report_or_have_acted_need_not_wait() {
         for text in ["M105\n", " m105 \r", "M105 T0\n", "M 105\n"] {
-            assert_eq!(kind(text), Kind::Temperatures, "{text}");
+            assert_eq!(kind(text), LineKind::Temperatures, "{text}");
         }
-        assert_eq!(kind("M114\n"), Kind::Position { real: false });
-        assert_eq!(kind("M114 R\n"), Kind::Position { real: true });
+        assert_eq!(kind("M114\n"), LineKind::Position { real: false });
+        assert_eq!(kind("M114 R\n"), LineKind::Position { real: true });
         for text in ["M108\n", "m410\n", "M524\n", "M999\n"] {
-            assert_eq!(kind(text), Kind::Acted, "{text}");
+            assert_eq!(kind(text), LineKind::Acted, "{text}");
         }
-        assert_eq!(kind("M27\n"), Kind::Answered);
+        assert_eq!(kind("M27\n"), LineKind::Answered);
         for text in ["\n", "  \r", ";\n", " ; thumbnail begin 48x48 2104\n"] {
-            assert_eq!(kind(text), Kind::Blank, "{text}");
+            assert_eq!(kind(text), LineKind::Blank, "{text}");
         }
     }
 
     #[test]
     fn lines_with_a_number_can_be_asked_for_again_but_m110_cannot() {
         for text in ["N5 G1 X5*33\n", "n -1 M105\n", "N123456 M106 S127 P1 *55", "N5 M108*1\n"] {
-            assert_eq!(kind(text), Kind::Numbered, "{text}");
+            assert_eq!(kind(text), LineKind::Numbered, "{text}");
         }
         for text in ["N-1 M110 N-1*125\n", "N0 M110 N0*125\n", "N-2147483648 M110 N-2147483648*1\n"] {
-            assert_eq!(kind(text), Kind::Other, "{text}");
+            assert_eq!(kind(text), LineKind::Other, "{text}");
         }
     }
 
@@ -174,30 +174,35 @@ mod tests {
             "NOZZLE\n",
             "M10\n",
         ] {
-            assert_eq!(kind(text), Kind::Other, "{text}");
+            assert_eq!(kind(text), LineKind::Other, "{text}");
         }
-        assert_eq!(kind("M105                       S1\n"), Kind::Other);
-        assert_eq!(kind("                            G1 X5\n"), Kind::Other);
+        assert_eq!(kind("M105                       S1\n"), LineKind::Other);
+        assert_eq!(kind("                            G1 X5\n"), LineKind::Other);
     }
 
     #[test]
     fn the_beginning_of_a_line_may_become_anything() {
         for text in ["", "  ", "M", "M10", "N", "N12 M1", "M106 S2"] {
-            assert_eq!(kind(text), Kind::Unknown, "{text}");
+            assert_eq!(kind(text), LineKind::Unknown, "{text}");
         }
         for text in ["G", ";", "T0", "M117 a message that is long"] {
-            assert_eq!(kind(text), Kind::Other, "{text}");
+            assert_eq!(kind(text), LineKind::Other, "{text}");
         }
     }
 
     #[test]
     fn each_line_has_one_ok_and_one_report_stands_for_all() {
         let mut owed = Owed::new();
-        for kind in [Kind::Blank, Kind::Temperatures, Kind::Temperatures, Kind::Answered, Kind::Position { real: true }]
-        {
+        for kind in [
+            LineKind::Blank,
+            LineKind::Temperatures,
+            LineKind::Temperatures,
+            LineKind::Answered,
+            LineKind::Position { real: true },
+        ] {
             assert!(owed.takes(kind));
         }
         assert_eq!(owed, Owed { oks: 3, temperatures: true, position: Some(true) });
-        assert!(![Kind::Unknown, Kind::Numbered, Kind::Other].iter().any(|kind| owed.takes(*kind)));
+        assert!(![LineKind::Unknown, LineKind::Numbered, LineKind::Other].iter().any(|kind| owed.takes(*kind)));
     }
 }

@@ -2,12 +2,12 @@
 
 use super::rows::{Choice, Spec, numbers, rows};
 use super::{Cartesian, ranges};
-use crate::accelerometer::{Kind, SensorAxis};
+use crate::accelerometer::{SensorAxis, SensorKind};
 use serde::{Deserialize, Serialize};
 
-impl Choice for Option<Kind> {
+impl Choice for Option<SensorKind> {
     const ALL: &'static [(Self, &'static str)] =
-        &[(None, "none"), (Some(Kind::Adxl345), "adxl345"), (Some(Kind::Lis2dw12), "lis2dw12")];
+        &[(None, "none"), (Some(SensorKind::Adxl345), "adxl345"), (Some(SensorKind::Lis2dw12), "lis2dw12")];
 
     fn number(self) -> u8 {
         self.map_or(0, |kind| 1 + kind as u8)
@@ -16,8 +16,8 @@ impl Choice for Option<Kind> {
     fn numbered(number: u8) -> Option<Self> {
         match number {
             0 => Some(None),
-            1 => Some(Some(Kind::Adxl345)),
-            2 => Some(Some(Kind::Lis2dw12)),
+            1 => Some(Some(SensorKind::Adxl345)),
+            2 => Some(Some(SensorKind::Lis2dw12)),
             _ => None,
         }
     }
@@ -40,7 +40,7 @@ impl Choice for SensorAxis {
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub struct AccelerometerSettings {
     /// Its type; none if there is none.
-    pub kind: Option<Kind>,
+    pub kind: Option<SensorKind>,
     /// The axis of the sensor that points along each axis of the machine.
     pub axes: Cartesian<SensorAxis>,
     /// Samples a second.
@@ -58,7 +58,7 @@ rows! {
     for sensor in |s, _| Some(&mut s.accelerometer), named &["accelerometer"];
 
     /// The accelerometer at the tool, plugged into the board's connector for one: "none", "adxl345" or "lis2dw12".
-    148 "kind" = &mut sensor.kind, "", [Spec::choice::<Option<Kind>>()];
+    148 "kind" = &mut sensor.kind, "", [Spec::choice::<Option<SensorKind>>()];
     /// Samples a second. The sensor takes the nearest rate that it has; a LIS2DW12 has 1600 at most.
     149 "rate" = &mut sensor.rate, "Hz", [ranges::SAMPLES.spec()];
 }

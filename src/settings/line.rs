@@ -6,7 +6,7 @@
 
 /// The line that sets a setting: a code, and a letter for each part. Parts may have lines of their own.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Line {
+pub struct SettingLine {
     /// The code, such as `M204`.
     pub code: &'static str,
     /// The number of the code.
@@ -23,7 +23,7 @@ pub struct Line {
     pub bits: u32,
 }
 
-impl Line {
+impl SettingLine {
     /// No line.
     pub(super) const NONE: Self =
         Self { code: "", number: 0, letters: &[], is_length: false, is_exact: false, bits: 0 };

@@ -416,7 +416,7 @@ places! {
     choices:
         HomedAxis(HomedAxis), AxisEnd(AxisEnd), OnFailure(OnFailure), Tachometer(Tachometer), ShaperKind(ShaperKind),
         ProbeKind(ProbeKind), Alignment(Alignment), Control(Control), FanRole(FanRole), SensorAxis(SensorAxis),
-        Accelerometer(Option<crate::accelerometer::Kind>), Output(Output), Sensor(Sensor), SensorSource(SensorSource);
+        Accelerometer(Option<crate::accelerometer::SensorKind>), Output(Output), Sensor(Sensor), SensorSource(SensorSource);
     numbers:
         U8(u8), U16(u16), U32(u32), I16(i16), Switch(bool), Mm(Mm), MmPerSec(MmPerSec), MmPerSec2(MmPerSec2),
         StepsPerMm(StepsPerMm), Hertz(Hertz), Seconds(Seconds), Ratio(Ratio), Celsius(Celsius), Watts(Watts),
@@ -429,14 +429,14 @@ places! {
 /// Rows of [`Settings`] itself.
 mod top {
     use super::corner::{Deviation, SquareCorner};
-    use super::rows::{Kind, Spec, rows};
+    use super::rows::{Spec, ValueKind, rows};
     use super::{MachineName, ranges};
 
     rows! {
         for machine in |s, _| Some(s), named &[""];
 
         /// The name that hosts, screens and reports show: up to 24 letters, digits, blanks and + - . , / ( ) & # '.
-        1 "name" = &mut machine.name, "", [Spec::text(MachineName::LONGEST, Kind::Name)];
+        1 "name" = &mut machine.name, "", [Spec::text(MachineName::LONGEST, ValueKind::Name)];
         /// Speed limit of one belt motor, in mm of belt. A diagonal asks 1.41 times the tool's speed of two motors.
         2 "motor_max_speed" = &mut machine.motor_max_speed, "mm/s", [ranges::SPEED.spec()];
         /// Acceleration limit of one belt motor, in mm of belt.

@@ -1,7 +1,7 @@
-//! Plain settings: those of rows with a [`Line`], by the M-code that sets them; and the conditions of some codes.
+//! Plain settings: those of rows with a [`SettingLine`], by the M-code that sets them; and the conditions of some codes.
 
 use super::Settings;
-use super::line::Line;
+use super::line::SettingLine;
 use super::rows::{Field, Key, Visitor};
 use super::table::ALL;
 
@@ -79,8 +79,8 @@ const COUNT: usize = {
 };
 
 /// The lines of all rows.
-const LINES: [&Line; COUNT] = {
-    let mut all = [&Line::NONE; COUNT];
+const LINES: [&SettingLine; COUNT] = {
+    let mut all = [&SettingLine::NONE; COUNT];
     let (mut count, mut files) = (0, ALL);
     while let [file, other_files @ ..] = files {
         let mut rows = file.rows;
@@ -181,7 +181,7 @@ pub struct Word {
     /// Its place among the [`letters`] of its code.
     pub place: usize,
     /// The line.
-    pub line: &'static Line,
+    pub line: &'static SettingLine,
     /// Its letters there: its own, and after `/` an older one.
     pub letters: &'static str,
     /// The setting.

@@ -11,7 +11,7 @@
 //! | the field, of a type that `places!` lists in `mod.rs` | getting and setting it |
 //! | a unit, and a comment with its meaning | people; not in an image, because nothing there refers to [`Text`] |
 //! | a [`Spec`]: its range and kind | all users |
-//! | its [`Line`]s, if its number is plain | G-code: reading, setting, reports, docs/reference/gcode.md |
+//! | its [`SettingLine`]s, if its number is plain | G-code: reading, setting, reports, docs/reference/gcode.md |
 //!
 //! A new setting needs a field, its default, and a row with the next free id ([`NEXT_ID`](super::table::NEXT_ID)
 //! counts).
@@ -22,9 +22,9 @@ use crate::units::{
 use core::fmt::{self, Display};
 
 pub use super::field::{Field, LONGEST_TEXT, Text24, Value};
-use super::line::Line;
+use super::line::SettingLine;
 pub(super) use super::spec::numbers;
-pub use super::spec::{Choice, Kind, Legal, Spec};
+pub use super::spec::{Choice, Legal, Spec, ValueKind};
 use super::{Place, Range, Settings};
 
 /// The part of a row that all users need.
@@ -40,7 +40,7 @@ pub struct Row {
     /// The legal values of the first part, and by way of them those of the others.
     legal: &'static Legal,
     /// The lines that set it: one for all parts, or one for each part from the first on. None if it is not plain.
-    pub lines: &'static &'static [Line],
+    pub lines: &'static &'static [SettingLine],
 }
 
 impl Row {
@@ -51,11 +51,11 @@ impl Row {
         leaf: &'static str,
         legal: &'static Legal,
     ) -> Self {
-        Self { id, tables, leaf, legal, lines: &(&[] as &[Line]) }
+        Self { id, tables, leaf, legal, lines: &(&[] as &[SettingLine]) }
     }
 
     /// The same, and these lines set it.
-    pub(super) const fn set_by(self, lines: &'static &'static [Line]) -> Self {
+    pub(super) const fn set_by(self, lines: &'static &'static [SettingLine]) -> Self {
         let (mut others, mut is_each) = (*lines, true);
         while let [line, next @ ..] = others {
             is_each &= line.letters.len() == 1;
@@ -68,7 +68,7 @@ impl Row {
 
     /// The line that sets a part, and the part's letters in it: its own, and after `/` an older one.
     #[must_use]
-    pub fn line(&self, part: u8) -> Option<(&'static Line, &'static str)> {
+    pub fn line(&self, part: u8) -> Option<(&'static SettingLine, &'static str)> {
         let place = usize::from(part);
         let (line, place) = match *self.lines {
             [line] if line.is_of_axes() => (line, place),
@@ -131,7 +131,7 @@ pub struct Text {
     /// Its meaning, in lines of a comment.
     pub meaning: &'static [&'static str],
     /// Its kind of value.
-    pub kind: Kind,
+    pub kind: ValueKind,
 }
 
 /// Goes through all settings.
@@ -166,8 +166,8 @@ macro_rules! rows {
             rows: const { &[$(
                 $crate::settings::rows::Row::new($id, &TABLES, $leaf, const { &rows!(@legal $spec $(, $others)*) })
                     .set_by(const {
-                        use $crate::settings::line::Line;
-                        &(&[$(Line::new($code, &[$($letters),+], $unit, $spec.bits())),*] as &[Line])
+                        use $crate::settings::line::SettingLine;
+                        &(&[$(SettingLine::new($code, &[$($letters),+], $unit, $spec.bits())),*] as &[SettingLine])
                     })
             ),+] },
             place,
@@ -207,7 +207,7 @@ macro_rules! specs {
             /// A number in this range.
             #[must_use]
             pub const fn spec(self) -> Spec {
-                let kind = Kind::Fixed(<$type>::FRAC_NBITS);
+                let kind = ValueKind::Fixed(<$type>::FRAC_NBITS);
                 let is_signed = <$type>::MIN.to_bits() != 0;
                 Spec::new(self.least.to_bits() as i64, self.most.to_bits() as i64, kind).of_signed(is_signed)
             }
@@ -223,7 +223,7 @@ macro_rules! whole {
             /// A whole number in this range.
             #[must_use]
             pub const fn spec(self) -> Spec {
-                Spec::new(self.least as i64, self.most as i64, Kind::Whole).of_signed(<$type>::MIN != 0)
+                Spec::new(self.least as i64, self.most as i64, ValueKind::Whole).of_signed(<$type>::MIN != 0)
             }
         })+
     };

@@ -3,7 +3,7 @@
 //! has its own guards.
 
 use super::Thermistor;
-use super::rows::{Choice, Kind, Spec, rows};
+use super::rows::{Choice, Spec, ValueKind, rows};
 use crate::connectors::{SENSORS, Sensor};
 use serde::{Deserialize, Serialize};
 
@@ -87,5 +87,5 @@ rows! {
     /// The input of the sensor; or mcu, the sensor in the board's processor.
     107 "sensor" = &mut sensor.sensor, "", [Spec::choice::<SensorSource>()];
     /// The kind of sensor at an input; or an NTC by three points (C, Ohm), or by Ohm at 25 C, B in K and a cubic term.
-    108 "thermistor" = &mut sensor.thermistor, "", [Spec::packed((1 << 47) - 1, Kind::Thermistor).from_zero()];
+    108 "thermistor" = &mut sensor.thermistor, "", [Spec::packed((1 << 47) - 1, ValueKind::Thermistor).from_zero()];
 }

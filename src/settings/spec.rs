@@ -32,7 +32,7 @@ pub(super) use numbers;
 
 /// The kind of value of a setting: its form in a machine file.
 #[derive(Clone, Copy, Debug)]
-pub enum Kind {
+pub enum ValueKind {
     /// A number with this many bits after the point.
     Fixed(u32),
     /// A whole number.
@@ -90,31 +90,31 @@ pub struct Spec {
     /// Which numbers are legal.
     pub legal: Legal,
     /// Its kind of value.
-    pub kind: Kind,
+    pub kind: ValueKind,
 }
 
 impl Spec {
     /// `true` or `false`.
-    pub const SWITCH: Self = Self::new(0, 1, Kind::Switch);
+    pub const SWITCH: Self = Self::new(0, 1, ValueKind::Switch);
 
-    pub(super) const fn new(least: i64, most: i64, kind: Kind) -> Self {
+    pub(super) const fn new(least: i64, most: i64, kind: ValueKind) -> Self {
         Self { legal: Legal { least, most, may_be_zero: false, is_text: false, is_signed: false, next: None }, kind }
     }
 
     /// One of these.
     #[must_use]
     pub const fn choice<T: Choice>() -> Self {
-        Self::new(0, T::ALL.len() as i64 - 1, Kind::Choice(name_of::<T>))
+        Self::new(0, T::ALL.len() as i64 - 1, ValueKind::Choice(name_of::<T>))
     }
 
     /// A text of `longest` characters at most.
-    pub(super) const fn text(longest: usize, kind: Kind) -> Self {
+    pub(super) const fn text(longest: usize, kind: ValueKind) -> Self {
         let Self { legal, kind } = Self::new(0, longest as i64, kind);
         Self { legal: Legal { is_text: true, ..legal }, kind }
     }
 
     /// A number that its field packs and reads by itself, from -`most` to `most`.
-    pub(super) const fn packed(most: i64, kind: Kind) -> Self {
+    pub(super) const fn packed(most: i64, kind: ValueKind) -> Self {
         Self::new(-most, most, kind).of_signed(true)
     }
 
@@ -126,7 +126,7 @@ impl Spec {
     /// Bits after the point of its number.
     pub(super) const fn bits(self) -> u32 {
         match self.kind {
-            Kind::Fixed(bits) | Kind::Auto(bits) => bits,
+            ValueKind::Fixed(bits) | ValueKind::Auto(bits) => bits,
             _ => 0,
         }
     }
@@ -135,7 +135,7 @@ impl Spec {
     #[must_use]
     pub const fn or_auto(self) -> Self {
         match self.kind {
-            Kind::Fixed(bits) => Self { kind: Kind::Auto(bits), ..self.or_zero() },
+            ValueKind::Fixed(bits) => Self { kind: ValueKind::Auto(bits), ..self.or_zero() },
             _ => self,
         }
     }
@@ -143,13 +143,13 @@ impl Spec {
     /// The same, and 0 as well, which is the value of the motor's group.
     #[must_use]
     pub const fn or_group(self) -> Self {
-        Self { kind: Kind::OfMotor, ..self.or_zero() }
+        Self { kind: ValueKind::OfMotor, ..self.or_zero() }
     }
 
     /// The same, and the next number above them as well, which is none.
     #[must_use]
     pub const fn or_nowhere(self) -> Self {
-        Self { kind: Kind::Place, legal: Legal { most: self.legal.most + 1, ..self.legal } }
+        Self { kind: ValueKind::Place, legal: Legal { most: self.legal.most + 1, ..self.legal } }
     }
 
     /// The same, and 0 as well.
@@ -173,7 +173,7 @@ fn name_of<T: Choice>(number: usize) -> Option<&'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accelerometer::{Kind as Accelerometer, SensorAxis};
+    use crate::accelerometer::{SensorAxis, SensorKind as Accelerometer};
     use crate::connectors::{Output, Sensor};
     use crate::settings::{
         Alignment, AxisEnd, Control, FanRole, HomedAxis, OnFailure, ProbeKind, SensorSource, ShaperKind, Tachometer,

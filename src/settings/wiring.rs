@@ -2,7 +2,7 @@
 
 use super::field::{Field, Number, Value, text};
 use super::motor_keys::{MotorKeys, motor_keys, texts};
-use super::rows::{Kind, Spec, rows};
+use super::rows::{Spec, ValueKind, rows};
 use super::{Cartesian, Settings};
 use crate::connectors::{BoardConnectors, ConnectorName};
 use crate::kinematics::{self, MOST_NUMBER, Row};
@@ -154,7 +154,7 @@ pub(super) mod names {
 
         /// The motors, each by a name of up to 4 letters and digits, in the order of a trace's columns. `[mechanism]`
         /// and `[motors]` call them by these names.
-        100 "" = name, "", [Spec::text(MotorName::LONGEST, Kind::MotorName)];
+        100 "" = name, "", [Spec::text(MotorName::LONGEST, ValueKind::MotorName)];
     }
 }
 
@@ -169,7 +169,7 @@ pub(super) mod motors {
 
         /// Socket of the motor, as printed on the board; ! before it turns the motor the other way round; empty is
         /// nowhere.
-        96 "" = motor, "", [Spec::text(LONGEST, Kind::Plug)];
+        96 "" = motor, "", [Spec::text(LONGEST, ValueKind::Plug)];
     }
 }
 
@@ -192,7 +192,7 @@ pub(super) mod endstops {
 
         /// Input of the switch or probe, which opens when it triggers; ! before it: which closes then. The board knows
         /// the level of an open input. Empty is no probe; probe.kind says how one is used, and M119 reports it.
-        97 "" = plug, "", [Spec::text(LONGEST, Kind::Plug)];
+        97 "" = plug, "", [Spec::text(LONGEST, ValueKind::Plug)];
     }
 }
 
@@ -205,7 +205,7 @@ pub(super) mod filament {
 
         /// Input of the filament sensor, with a switch that opens when filament presses it; ! before it: which closes
         /// then. Empty is none. M119 reports it; so far nothing stops at the end of the filament.
-        109 "" = plug, "", [Spec::text(LONGEST, Kind::Plug)];
+        109 "" = plug, "", [Spec::text(LONGEST, ValueKind::Plug)];
     }
 }
 
@@ -232,6 +232,6 @@ pub(super) mod mechanism {
         for row in |s, part| s.mechanism.rows.get_mut(part), named &texts(&KEYS);
 
         /// Steps of the motor for one step of x, y, z and e (0 if left out): -1, 0 or 1, all times one whole number.
-        98 "" = row, "", [Spec::packed(MOST_NUMBER as i64, Kind::MotorRow)];
+        98 "" = row, "", [Spec::packed(MOST_NUMBER as i64, ValueKind::MotorRow)];
     }
 }

@@ -1,6 +1,6 @@
 //! Drivers on a bus that answers as a test wants.
 
-use corehbot::driver::{DriverError, Drivers, Job, News, Register, Tmc2209};
+use corehbot::driver::{DriverError, DriverJob, Drivers, News, Register, Tmc2209};
 use corehbot::motors::{Motor, MotorSet, prototype};
 use corehbot::port::{BusError, Coupling, DriverBus, Frame, MotorPower};
 use corehbot::settings::Settings;
@@ -162,7 +162,7 @@ impl Bench {
     }
 
     pub fn verify(&mut self, motor: Motor) -> Result<(), DriverError> {
-        self.drivers.ask(Job::Verify, motor);
+        self.drivers.ask(DriverJob::Verify, motor);
         self.run(200);
         self.drivers.answer().unwrap().map(|_| ())
     }

@@ -1,7 +1,7 @@
 //! Proof: no motor gets power before its driver has shown that it holds its settings.
 
 use super::bench::{Bench, CHOPCONF, IFCNT, Z1};
-use corehbot::driver::{Chip, DriverError, Drivers, Job, Reading, Register, Tmc2209};
+use corehbot::driver::{Chip, DriverError, DriverJob, Drivers, Reading, Register, Tmc2209};
 use corehbot::motors::{MotorSet, prototype};
 use corehbot::settings::Settings;
 
@@ -76,9 +76,9 @@ fn a_driver_that_is_being_written_has_proved_nothing() {
 #[test]
 fn an_answer_goes_to_the_last_who_asked() {
     let mut bench = Bench::new();
-    bench.drivers.ask(Job::Verify, prototype::M1);
+    bench.drivers.ask(DriverJob::Verify, prototype::M1);
     bench.run(5);
-    bench.drivers.ask(Job::Read, prototype::M4);
+    bench.drivers.ask(DriverJob::Read, prototype::M4);
     bench.run(100);
     let reading = bench.drivers.answer().unwrap().unwrap();
     assert_eq!(bench.drivers.shown(&reading).microsteps, Some(16));
@@ -106,7 +106,7 @@ fn while_a_driver_is_written_it_holds_nothing_that_counts() {
     new.drivers.z.current_ma = 500;
     assert_eq!(bench.verify(prototype::Z1), Ok(()));
     bench.drivers.want(&new);
-    bench.drivers.ask(Job::Verify, prototype::Z1);
+    bench.drivers.ask(DriverJob::Verify, prototype::Z1);
     bench.run(10);
     assert_eq!(bench.drivers.known(prototype::Z1).0, None, "without power all is written anew");
 
@@ -125,7 +125,7 @@ fn nobody_asks_a_driver_without_a_wire_or_configures_one_whose_motor_has_power()
     let settings = Settings::prototype();
     let mut bench = Bench::new();
     bench.drivers = Drivers::new(prototype::Z, &settings);
-    for job in [Job::Verify, Job::Read] {
+    for job in [DriverJob::Verify, DriverJob::Read] {
         bench.drivers.ask(job, prototype::M1);
         bench.run(10);
         assert_eq!(bench.drivers.answer(), Some(Ok(Reading::default())), "{job:?}");
@@ -134,7 +134,7 @@ fn nobody_asks_a_driver_without_a_wire_or_configures_one_whose_motor_has_power()
     let mut bench = Bench::powered();
     assert_eq!(bench.verify(prototype::Z1), Ok(()));
     assert_eq!(bench.count(0x81), 0, "its flags stay");
-    bench.drivers.ask(Job::Read, prototype::Z1);
+    bench.drivers.ask(DriverJob::Read, prototype::Z1);
     bench.run(100);
     let reading = bench.drivers.answer().unwrap().unwrap();
     assert_eq!(bench.drivers.shown(&reading).microsteps, Some(16), "but it may be read");

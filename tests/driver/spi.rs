@@ -3,7 +3,7 @@
 //! Its frames are a TMC5160's (datasheet rev 1.17, section 4.1): an address and 32 bits, and a value comes with the next
 //! frame. It counts no writes, so its scripts read everything back.
 
-use corehbot::driver::{Check, Chip, DriverError, Drivers, Held, Job, News, Reading, Scripts, Shown, Step};
+use corehbot::driver::{Check, Chip, DriverError, DriverJob, Drivers, Held, News, Reading, Scripts, Shown, Step};
 use corehbot::motors::{Coupling, Motor, MotorSet, prototype};
 use corehbot::port::{BusError, DriverBus, Frame, MotorPower};
 use corehbot::settings::Settings;
@@ -212,7 +212,7 @@ impl Bench {
     }
 
     fn verify(&mut self, motor: Motor) -> Result<(), DriverError> {
-        self.drivers.ask(Job::Verify, motor);
+        self.drivers.ask(DriverJob::Verify, motor);
         self.run(50);
         self.drivers.answer().unwrap().map(|_| ())
     }
@@ -233,7 +233,7 @@ fn a_chip_on_spi_proves_its_configuration_before_its_motor_gets_power() {
     assert_eq!(bench.power(M1), Ok(()));
     bench.run(1000);
     assert_eq!((bench.bus.powered, bench.news.len()), (M1, 0));
-    bench.drivers.ask(Job::Read, prototype::M1);
+    bench.drivers.ask(DriverJob::Read, prototype::M1);
     bench.run(50);
     let reading = bench.drivers.answer().unwrap().unwrap();
     assert_eq!(bench.drivers.shown(&reading).microsteps, Some(16));

@@ -1,7 +1,7 @@
 //! The watch: the faults that it finds in drivers with power, how soon, and the reaction.
 
 use super::bench::{Bench, GSTAT, Z1};
-use corehbot::driver::{DriverError, Fault, Job, News, Register};
+use corehbot::driver::{DriverError, DriverJob, Fault, News, Register};
 use corehbot::motors::{MotorName, MotorSet, prototype};
 use corehbot::port::BusError;
 use corehbot::settings::Settings;
@@ -53,7 +53,7 @@ fn a_fault_takes_the_power_from_all_and_stays() {
     assert_eq!(bench.power(MotorSet::NONE), Ok(()));
     let before = bench.bus.requests.len();
     bench.run(500);
-    bench.drivers.ask(Job::Read, prototype::Z2);
+    bench.drivers.ask(DriverJob::Read, prototype::Z2);
     bench.run(500);
     assert_eq!(bench.bus.requests.len(), before, "nobody talks any more");
 }
@@ -65,7 +65,7 @@ fn on_a_slow_wire_polls_and_what_is_asked_take_turns() {
     bench.bus.slowness = 15;
     let mut answers = 0;
     for _ in 0..30 {
-        bench.drivers.ask(Job::Read, prototype::Z2);
+        bench.drivers.ask(DriverJob::Read, prototype::Z2);
         for _ in 0..300 {
             bench.run(1);
             if let Some(answer) = bench.drivers.answer() {
@@ -82,7 +82,7 @@ fn on_a_slow_wire_polls_and_what_is_asked_take_turns() {
     // Even with continuous requests, motors with power are polled.
     bench.bus.requests.clear();
     for _ in 0..1000 {
-        bench.drivers.ask(Job::Read, prototype::Z2);
+        bench.drivers.ask(DriverJob::Read, prototype::Z2);
         bench.run(1);
     }
     assert!(bench.bus.requests.iter().filter(|(motor, bytes)| *motor == prototype::Z1 && bytes[2] == 1).count() > 5);
@@ -139,7 +139,7 @@ fn a_belt_motor_without_supply_is_noticed_within_100_ms_whenever_it_fails_and_wh
         for is_busy in [false, true] {
             let mut bench = belt();
             if is_busy {
-                bench.drivers.ask(Job::Read, prototype::E0);
+                bench.drivers.ask(DriverJob::Read, prototype::E0);
             }
             bench.run(wait);
             let motor = [prototype::M1, prototype::M4, prototype::M8, prototype::M11][wait as usize % 4];

@@ -7,7 +7,7 @@ use corehbot_twin::queries::Setup;
 use corehbot_twin::queries::ripple::{Question, Ripple, RippleError};
 use corehbot_twin::queries::tension::{Tension, TensionError};
 use corehbot_twin::ripple::response::{Response, Shaken};
-use corehbot_twin::ripple::source::{Amounts, Kind};
+use corehbot_twin::ripple::source::{Amounts, RippleKind};
 use corehbot_twin::routing::{Machine, Place};
 use std::f64::consts::{FRAC_PI_4, TAU};
 
@@ -19,7 +19,7 @@ fn light() -> Params {
 }
 
 /// Root of the sum of squares across the path of one kind.
-fn across(response: &Response, angle: f64, speed: f64, kind: Kind) -> f64 {
+fn across(response: &Response, angle: f64, speed: f64, kind: RippleKind) -> f64 {
     let own = response.at(angle, speed, f64::INFINITY).filter(|s| s.kind == kind);
     own.map(|s| s.across_um * s.across_um).sum::<f64>().sqrt()
 }
@@ -60,13 +60,15 @@ fn the_detent_shakes_the_bar_by_the_closed_form() {
     let step_mm = TAU * 6.35 / 200.0;
     for speed in [2.0, 8.0, 11.5, 15.0, 60.0] {
         let known = 2.0 * bar_um(&params, 0.02 / 6.35e-3, speed / step_mm);
-        let own = across(&found, 0.0, speed, Kind::Detent);
+        let own = across(&found, 0.0, speed, RippleKind::Detent);
         assert!((own / known - 1.0).abs() < 0.01, "{speed} mm/s: {own} um, {known}");
     }
     // 2 % of a full step, once a full step, twice and once an electrical turn: the same force at two and four times the
     // speed.
     let force = 0.4 * 50.0 / 6.35e-3 * (0.02 * step_mm / 6.35);
-    for (kind, speed) in [(Kind::FullStep, 11.5), (Kind::HalfTurn, 23.0), (Kind::ElectricalTurn, 46.0)] {
+    for (kind, speed) in
+        [(RippleKind::FullStep, 11.5), (RippleKind::HalfTurn, 23.0), (RippleKind::ElectricalTurn, 46.0)]
+    {
         let known = 2.0 * bar_um(&params, force, 11.5 / step_mm);
         let own = across(&found, 0.0, speed, kind);
         assert!((own / known - 1.0).abs() < 0.01, "{kind:?}: {own} um, {known}");
@@ -115,7 +117,7 @@ fn a_yaw_that_nothing_damps_is_refused() {
 fn a_motor_at_rest_does_not_shake() {
     let found = response(&light());
     let turning = |angle: f64| {
-        let all = found.at(angle, 30.0, f64::INFINITY).filter(|s| s.kind == Kind::Detent);
+        let all = found.at(angle, 30.0, f64::INFINITY).filter(|s| s.kind == RippleKind::Detent);
         all.collect::<Vec<Shaken>>()
     };
     assert_eq!(turning(0.0).len(), 4);
@@ -132,13 +134,13 @@ fn a_motor_at_rest_does_not_shake() {
 fn slow_pulleys_and_teeth_move_the_tool_by_their_share() {
     let params = Params { holding_torque_nm: 1e5, ..light() };
     let found = response(&params);
-    let pulleys = across(&found, 0.0, 1e-3, Kind::Pulley);
+    let pulleys = across(&found, 0.0, 1e-3, RippleKind::Pulley);
     assert!((pulleys / (15.0 * 0.75_f64.sqrt()) - 1.0).abs() < 1e-3, "{pulleys}");
-    let teeth = across(&found, 0.0, 1e-3, Kind::Tooth);
+    let teeth = across(&found, 0.0, 1e-3, RippleKind::Tooth);
     assert!((teeth / (2.0 * 0.5) - 1.0).abs() < 1e-3, "{teeth}");
     // Pulleys 6 and 13 on the head turn only as y moves.
     let along_x: Vec<u8> =
-        found.at(0.0, 1.0, f64::INFINITY).filter(|s| s.kind == Kind::Pulley).map(|s| s.pulley).collect();
+        found.at(0.0, 1.0, f64::INFINITY).filter(|s| s.kind == RippleKind::Pulley).map(|s| s.pulley).collect();
     assert!(along_x.len() == 12 && !along_x.contains(&6) && !along_x.contains(&13), "{along_x:?}");
     // Idlers beside the bar's ends turn twice as fast when y moves: 20 mm of the path a turn.
     let fastest = found.at(2.0 * FRAC_PI_4, 1.0, f64::INFINITY).filter(|s| s.pulley == 5).map(|s| s.wave_mm).next();
@@ -152,9 +154,9 @@ fn the_loudest_speeds_are_the_resonant_ones_and_less_detent_is_calmer() {
     let found = Ripple::new(&setup, &question).unwrap();
     assert_eq!((found.angles_deg.len(), found.speeds_mm_s.len()), (12, 141));
     // Electrical turns meet y (57.6 Hz) along x, teeth at 2.5 times the speed.
-    let turns = found.sources.iter().find(|s| s.kind == Kind::ElectricalTurn).unwrap();
+    let turns = found.sources.iter().find(|s| s.kind == RippleKind::ElectricalTurn).unwrap();
     assert!((turns.frequency_hz / 57.64 - 1.0).abs() < 0.03 && turns.across_um > 1.0, "{turns:?}");
-    let teeth = found.sources.iter().find(|s| s.kind == Kind::Tooth).unwrap();
+    let teeth = found.sources.iter().find(|s| s.kind == RippleKind::Tooth).unwrap();
     assert!((teeth.frequency_hz / 57.64 - 1.0).abs() < 0.03 && teeth.speed_mm_s > 100.0, "{teeth:?}");
     let worst = found.worst.iter().map(|w| w.across_um).fold(0.0, f64::max);
     // At every speed a motor meets y in some direction close to a diagonal; along x and y there are calm speeds.
@@ -201,8 +203,8 @@ fn the_worst_direction_does_not_depend_on_the_distance_of_the_angles() {
     // Two motors that turn by sqrt 2 sin(d) of the path, d from the diagonal, meet y (57.64 Hz) by their full steps.
     let found = response(&light());
     let aside = (57.64 * TAU * 6.35 / 200.0 / (160.0 * 2.0_f64.sqrt())).asin();
-    let met = across(&found, FRAC_PI_4 - aside, 160.0, Kind::FullStep);
-    assert!(met > 3.0 * across(&found, FRAC_PI_4 - 1.5 * aside, 160.0, Kind::FullStep), "{met}");
+    let met = across(&found, FRAC_PI_4 - aside, 160.0, RippleKind::FullStep);
+    assert!(met > 3.0 * across(&found, FRAC_PI_4 - 1.5 * aside, 160.0, RippleKind::FullStep), "{met}");
     let at = coarse.speeds_mm_s.iter().position(|speed| *speed == 160.0).unwrap();
     assert!(coarse.worst[at].across_um >= met, "{:?}, {met}", coarse.worst[at]);
 }

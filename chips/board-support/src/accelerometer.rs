@@ -26,7 +26,7 @@
 #[cfg(test)]
 mod tests;
 
-use corehbot::accelerometer::{Kind, Sample, SensorFault};
+use corehbot::accelerometer::{Sample, SensorFault, SensorKind};
 
 /// How often the timer event comes.
 pub const TIMER_HZ: u32 = 1000;
@@ -132,10 +132,10 @@ const LIS2DW12: Row = Row {
     behind: None,
 };
 
-const fn row(kind: Kind) -> &'static Row {
+const fn row(kind: SensorKind) -> &'static Row {
     match kind {
-        Kind::Adxl345 => &ADXL345,
-        Kind::Lis2dw12 => &LIS2DW12,
+        SensorKind::Adxl345 => &ADXL345,
+        SensorKind::Lis2dw12 => &LIS2DW12,
     }
 }
 
@@ -143,7 +143,7 @@ const fn row(kind: Kind) -> &'static Row {
 ///
 /// # Errors
 /// [`SensorFault::WrongId`] and [`SensorFault::Register`].
-pub fn start(kind: Kind, rate: u16, wire: &mut impl Wire) -> Result<(), SensorFault> {
+pub fn start(kind: SensorKind, rate: u16, wire: &mut impl Wire) -> Result<(), SensorFault> {
     let row = row(kind);
     let [register, identity] = row.identity;
     let read = |wire: &mut _| register_of(wire, register);
@@ -171,7 +171,7 @@ pub fn start(kind: Kind, rate: u16, wire: &mut impl Wire) -> Result<(), SensorFa
 }
 
 /// Stops the sensor.
-pub fn stop(kind: Kind, wire: &mut impl Wire) {
+pub fn stop(kind: SensorKind, wire: &mut impl Wire) {
     let [mut off, ..] = row(kind).settings;
     wire.transfer(&mut off);
 }
@@ -184,7 +184,7 @@ fn register_of(wire: &mut impl Wire, register: u8) -> u8 {
 
 /// A sample in mm/s^2.
 #[must_use]
-pub fn scaled(kind: Kind, raw: Raw) -> Sample {
+pub fn scaled(kind: SensorKind, raw: Raw) -> Sample {
     let mut axes = row(kind).scale;
     axes.iter_mut().zip(raw).for_each(|(axis, raw)| *axis = (i32::from(raw) * *axis + (1 << 11)) >> 12);
     Sample { axes }
@@ -216,7 +216,7 @@ pub struct Reader {
 impl Reader {
     /// A reader of a sensor that has just been started.
     #[must_use]
-    pub const fn new(kind: Kind) -> Self {
+    pub const fn new(kind: SensorKind) -> Self {
         Self { row: row(kind), state: State::Rest, waiting: 0, quiet: 0, damage: 0, last: [0; 3], same: [0; 3] }
     }
 

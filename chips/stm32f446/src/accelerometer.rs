@@ -19,7 +19,7 @@
 
 use core::sync::atomic::{AtomicU8, Ordering, compiler_fence};
 
-use corehbot::accelerometer::{Kind, Sample, SensorFault};
+use corehbot::accelerometer::{Sample, SensorFault, SensorKind};
 use corehbot::port::Accelerometer;
 use corehbot_board_support::accelerometer::{self, Bytes, LONGEST, Raw, Reader, TIMER_HZ, Transfer, Wire, scaled};
 use corehbot_cortex_m4::{Handover, finish_stores};
@@ -67,7 +67,7 @@ struct Engine {
 /// The Console's end.
 pub struct SpiSensor {
     pins: Option<SensorPins>,
-    kind: Kind,
+    kind: SensorKind,
     samples: Option<Consumer<'static, Raw>>,
 }
 
@@ -79,12 +79,12 @@ impl SpiSensor {
             ENGINE.fill(Engine { pins, reader: None, fault: SensorFault::Silent, samples: producer });
             consumer
         });
-        Self { pins, kind: Kind::Adxl345, samples }
+        Self { pins, kind: SensorKind::Adxl345, samples }
     }
 }
 
 impl Accelerometer for SpiSensor {
-    fn start(&mut self, kind: Kind, rate: u16) {
+    fn start(&mut self, kind: SensorKind, rate: u16) {
         let (Some(pins), Some(samples)) = (self.pins, &mut self.samples) else { return };
         self.kind = kind;
         if !is_on() {

@@ -6,8 +6,8 @@ use corehbot::settings::Settings;
 use corehbot::status::Status;
 use static_cell::{ConstStaticCell, StaticCell};
 
+use crate::board_heat::BoardHeat;
 use crate::handles::{BoardPorts, Console, StepGenerator, ThermalControl};
-use crate::heat::BoardHeat;
 use crate::step_pins::StepPins;
 use crate::step_timer::StepTimer;
 use crate::stepper::give_stepper;

@@ -5,9 +5,9 @@ use corehbot::{machine, motion, thermal};
 
 use crate::accelerometer::SpiSensor;
 use crate::board_facts::ThisBoard;
+use crate::board_heat::BoardHeat;
 use crate::board_storage::BoardStorage;
 use crate::drivers::Drivers;
-use crate::heat::BoardHeat;
 use crate::host_serial::HostSerial;
 use crate::motor_power::EnableLines;
 use crate::servo::ServoLine;

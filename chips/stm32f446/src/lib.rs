@@ -42,6 +42,8 @@ mod after_bootloader;
 mod assembly;
 #[cfg(target_os = "none")]
 mod board_facts;
+#[cfg(target_os = "none")]
+mod board_heat;
 mod board_storage;
 #[cfg(target_os = "none")]
 mod bus;
@@ -65,8 +67,6 @@ mod fault;
 mod flash;
 #[cfg(target_os = "none")]
 mod handles;
-#[cfg(target_os = "none")]
-mod heat;
 #[cfg(target_os = "none")]
 mod heater_timer;
 #[cfg(target_os = "none")]

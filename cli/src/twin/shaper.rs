@@ -5,7 +5,7 @@ use clap::{Args, ValueEnum};
 use corehbot_host::answer::Json;
 use corehbot_host::values::number;
 use corehbot_twin::queries::shaper::Rating;
-use corehbot_twin::shaping::shaper::Kind;
+use corehbot_twin::shaping::shaper::ShaperKind;
 
 /// `twin shaper`.
 #[derive(Args)]
@@ -46,13 +46,13 @@ enum KindArg {
 impl Shaper {
     pub(super) fn answer(&self) -> Result<u8> {
         let kind = match self.kind {
-            KindArg::Zv => Kind::Zv,
-            KindArg::Mzv => Kind::Mzv,
-            KindArg::Zvd => Kind::Zvd,
-            KindArg::Ei => Kind::Ei,
-            KindArg::TwoHumpEi => Kind::TwoHumpEi,
+            KindArg::Zv => ShaperKind::Zv,
+            KindArg::Mzv => ShaperKind::Mzv,
+            KindArg::Zvd => ShaperKind::Zvd,
+            KindArg::Ei => ShaperKind::Ei,
+            KindArg::TwoHumpEi => ShaperKind::TwoHumpEi,
         };
-        let is_fitted = !matches!(kind, Kind::TwoHumpEi) || self.damping <= TWO_HUMPS;
+        let is_fitted = !matches!(kind, ShaperKind::TwoHumpEi) || self.damping <= TWO_HUMPS;
         ensure!(is_fitted, "2HUMP_EI is known for dampings up to {TWO_HUMPS} alone, not for {}", self.damping);
         let ring_damping = self.ring_damping.unwrap_or(self.damping);
         self.json.give(&Rating::new(kind, self.frequency, self.damping, &self.ring, ring_damping), [])

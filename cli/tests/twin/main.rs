@@ -50,7 +50,7 @@ fn near(value: &Value, expected: f64, part: f64) -> bool {
 #[test]
 fn the_twin_knows_every_shaper() {
     let kinds = corehbot::settings::ShaperKind::all().filter(|kind| *kind != corehbot::settings::ShaperKind::None);
-    assert_eq!(corehbot_twin::shaping::shaper::Kind::ALL.len(), kinds.count(), "twin/src/shaping/shaper.rs");
+    assert_eq!(corehbot_twin::shaping::shaper::ShaperKind::ALL.len(), kinds.count(), "twin/src/shaping/shaper.rs");
 }
 #[test]
 fn the_numbers_of_a_machine_stand_in_the_documentation() {

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::tick::NS_PER_TICK;
-use corehbot::accelerometer::Kind;
+use corehbot::accelerometer::SensorKind;
 use corehbot::motors::prototype;
 
 fn event(due: u32, lag: u32, late: i64) -> StepEvent {
@@ -52,7 +52,7 @@ fn the_first_difference_is_named() {
 #[test]
 fn a_stored_machine_has_its_accelerometer_plugged_in() {
     let mut settings = Settings::prototype();
-    settings.accelerometer.kind = Some(Kind::Adxl345);
+    settings.accelerometer.kind = Some(SensorKind::Adxl345);
     let mut eeprom = Eeprom::blank();
     eeprom.save(&settings).unwrap();
     let before = "G28 X Y\nG0 X40 Y40\n";

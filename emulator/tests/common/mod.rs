@@ -10,7 +10,7 @@ use corehbot_emulator::driver_line::DriverLines;
 use corehbot_emulator::eeprom::At24c32;
 use corehbot_emulator::firmware::Firmware;
 use corehbot_emulator::flash::FlashSectors;
-use corehbot_emulator::heat::Climate;
+use corehbot_emulator::heat_pins::Climate;
 use corehbot_emulator::line::Manner;
 use corehbot_emulator::run::{Request, Seen, serve as serve_at};
 use corehbot_emulator::sensor::Sensor;

@@ -264,7 +264,7 @@ impl Study<'_> {
             |at: usize| gantry.guides.get(at).zip(given.moved.get(at)).map_or(0.0, |(k, way)| k * way / THOUSAND);
         let is_belt = matches!(kind, Kind::Taken | Kind::Preload);
         let changes = || gantry.parts.iter().zip(&given.tensions_n);
-        let tension = |(part, change): (&corehbot_twin::model::gantry::Part, &f64)| {
+        let tension = |(part, change): (&corehbot_twin::model::gantry::GantryPart, &f64)| {
             let name = if is_belt { BELTS.get(part.belt).copied().unwrap_or(part.name) } else { part.name };
             (name, *change)
         };

@@ -179,7 +179,7 @@ impl Draft {
     /// A number as the key's kind has it, in the key's range. If it was outside: the range in words.
     fn in_range(&self, path: &str, number: f64) -> (toml::Value, Option<String>) {
         let Some((kind, legal)) = self.kind_of(path) else { return (float_toml(rounded(number)), None) };
-        let is_whole = matches!(kind, rows::Kind::Whole | rows::Kind::OfMotor | rows::Kind::Place);
+        let is_whole = matches!(kind, rows::ValueKind::Whole | rows::ValueKind::OfMotor | rows::ValueKind::Place);
         let whole = if is_whole { number.round() } else { rounded(number) };
         match bits_of(whole, fraction(kind)) {
             Some(bits) if legal.holds(bits) => (float_toml(whole), None),
@@ -190,7 +190,7 @@ impl Draft {
         }
     }
 
-    fn kind_of(&self, path: &str) -> Option<(rows::Kind, rows::Legal)> {
+    fn kind_of(&self, path: &str) -> Option<(rows::ValueKind, rows::Legal)> {
         match find(&numbered(path, &self.names))?.of {
             Of::Setting { row, text, part } => Some((text.kind, row.legal(part))),
             Of::List { .. } | Of::Other(_) | Of::Twin(_) | Of::Routing => None,

@@ -3,7 +3,7 @@
 //! On the belt plant a sample is the mean acceleration of the tool over its time. A rigid machine has no vibration, so
 //! it gets modes: resonators that follow the nozzle, whose weighted sum is the tool.
 
-use corehbot::accelerometer::{Kind, Sample, SensorFault};
+use corehbot::accelerometer::{Sample, SensorFault, SensorKind};
 use corehbot::port::Accelerometer;
 use corehbot::units::TICKS_PER_SECOND;
 use std::cell::RefCell;
@@ -166,10 +166,10 @@ pub(crate) struct Sensor<'w> {
 }
 
 impl Accelerometer for Sensor<'_> {
-    fn start(&mut self, kind: Kind, rate: u16) {
+    fn start(&mut self, kind: SensorKind, rate: u16) {
         let mut sensor = self.sensor.borrow_mut();
         let clock = sensor.truth.as_ref().map_or(1.0, |truth| truth.clock);
-        let rate = if kind == Kind::Lis2dw12 { rate.min(1600) } else { rate };
+        let rate = if kind == SensorKind::Lis2dw12 { rate.min(1600) } else { rate };
         let period = 1.0 / (f64::from(rate) * clock);
         let now = self.now.get() as f64 / f64::from(TICKS_PER_SECOND);
         (sensor.period, sensor.next, sensor.count) = (sensor.truth.is_some().then_some(period), now + period, 0);

@@ -19,7 +19,7 @@ use crate::world::Host;
 use corehbot::protocol::ACTION;
 use corehbot::units::TICKS_PER_SECOND;
 use corehbot_machine_file::short::{short, shortened};
-use replies::{Answers, Kind, LONGEST_REPLY};
+use replies::{Answers, LONGEST_REPLY, ReplyKind};
 use std::collections::VecDeque;
 use std::fmt;
 use std::io::BufRead;
@@ -481,10 +481,10 @@ impl Host for FileHost {
         } else if self.sent > 0 {
             // Before the first command it can only be the greeting.
             let Remark { line: number, command, .. } = self.current();
-            match Kind::of(line, &command) {
-                Kind::Warning => self.warn(line),
-                Kind::Answer => self.answers.note(self.next - 1, number, &command, line),
-                Kind::Plain => {}
+            match ReplyKind::of(line, &command) {
+                ReplyKind::Warning => self.warn(line),
+                ReplyKind::Answer => self.answers.note(self.next - 1, number, &command, line),
+                ReplyKind::Plain => {}
             }
         }
     }

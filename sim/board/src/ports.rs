@@ -142,9 +142,9 @@ impl Clock for Timer<'_> {
     }
 }
 
-pub(crate) struct Line<'w>(pub &'w Wire);
+pub(crate) struct SimLine<'w>(pub &'w Wire);
 
-impl Serial for Line<'_> {
+impl Serial for SimLine<'_> {
     fn recv(&mut self) -> Option<Received> {
         self.0.overheard.update(|heard| heard.map(|heard| heard.saturating_sub(1)));
         self.0.to_printer.borrow_mut().pop_front()

@@ -55,7 +55,7 @@ enum Does {
 
 /// A kind of mistake.
 #[derive(Clone, Copy)]
-pub struct Kind {
+pub struct MistakeKind {
     /// Its name.
     pub name: &'static str,
     /// Its description for people.
@@ -63,12 +63,12 @@ pub struct Kind {
     does: Does,
 }
 
-const fn kind(name: &'static str, says: &'static str, does: Does) -> Kind {
-    Kind { name, says, does }
+const fn kind(name: &'static str, says: &'static str, does: Does) -> MistakeKind {
+    MistakeKind { name, says, does }
 }
 
 /// Every kind.
-pub const KINDS: [Kind; 7] = [
+pub const KINDS: [MistakeKind; 7] = [
     kind(
         "swap-motors",
         "two motors in each other's place",
@@ -102,7 +102,7 @@ pub const KINDS: [Kind; 7] = [
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum MistakeError {
     /// The kind is unknown.
-    Kind(String),
+    MistakeKind(String),
     /// This kind is made with other things: as many of them, with these names.
     Of(&'static str, usize, String),
 }
@@ -110,7 +110,7 @@ pub enum MistakeError {
 impl fmt::Display for MistakeError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Kind(text) => {
+            Self::MistakeKind(text) => {
                 let known: Vec<_> = KINDS.iter().map(|kind| kind.name).collect();
                 write!(f, "`{text}` is not a mistake; expected {}", known.join(", "))
             }
@@ -129,7 +129,8 @@ impl Plugs {
     /// There is no such mistake.
     pub fn make(&mut self, text: &str, settings: &Settings) -> Result<(), MistakeError> {
         let (name, parts) = text.split_once(':').unwrap_or((text, ""));
-        let kind = KINDS.iter().find(|kind| kind.name == name).ok_or_else(|| MistakeError::Kind(name.to_owned()))?;
+        let kind =
+            KINDS.iter().find(|kind| kind.name == name).ok_or_else(|| MistakeError::MistakeKind(name.to_owned()))?;
         let motors: Vec<_> = settings.motors().map(|(motor, name)| (name.to_string(), motor.index())).collect();
         let switches: Vec<_> = SWITCHES.iter().enumerate().map(|(at, (name, _))| ((*name).to_owned(), at)).collect();
         let (known, count) = match kind.does {

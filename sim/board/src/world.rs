@@ -6,7 +6,7 @@
 
 mod beyond;
 mod desk;
-mod heat;
+mod heat_periods;
 mod runs;
 mod z_shifts;
 
@@ -19,7 +19,7 @@ use crate::heat_plant::HeatSetup;
 use crate::moves::Tap;
 use crate::odometer::Odometer;
 pub use crate::ports::Wire;
-use crate::ports::{Line, Mechanics, Pins, Shared, SimWake, Timer};
+use crate::ports::{Mechanics, Pins, Shared, SimLine, SimWake, Timer};
 use crate::reach::Reach;
 use corehbot::app::{Parts, StepPorts, assemble};
 use corehbot::driver::Tmc2209;
@@ -35,7 +35,7 @@ use corehbot::units::{Mm, TICKS_PER_MS};
 use corehbot_rig::Rig;
 use corehbot_rig::bed::BedPlant;
 use corehbot_rig::bed::probe::ProbeFault;
-use corehbot_rig::heat::Heat;
+use corehbot_rig::thermal_plant::Heat;
 pub use desk::Desk;
 pub use runs::{WorldError, run, run_at, run_on, run_with};
 use std::collections::VecDeque;
@@ -115,7 +115,7 @@ impl Turned {
 
 /// The types of the simulated ports.
 impl<'w> PortSet for &'w Shared {
-    type Serial = Line<'w>;
+    type Serial = SimLine<'w>;
     type Motors = Power<'w>;
     type Drivers = Bus<'w>;
     type Chip = Tmc2209;
@@ -241,7 +241,7 @@ impl<'w> World<'w> {
         let pins = Pins { mechanics, bed, mesh_log, shared, has_sensor, drivers, plugs, table, forward, told_z, sink };
         let step_ports = StepPorts { pins, clock: Timer(shared) };
         let ports: Ports<&'w Shared> = Ports {
-            serial: wires.iter().map(Line).collect(),
+            serial: wires.iter().map(SimLine).collect(),
             motors: drivers.power(&shared.now),
             drivers: drivers.bus(&shared.now),
             servo: drivers.servo(&shared.now),

@@ -7,7 +7,7 @@ use crate::commands::table::ROWS;
 use crate::common::heated::heated;
 use crate::common::life::Life;
 use crate::common::on_bed::{SCREWS, over, with_probe};
-use corehbot::accelerometer::Kind;
+use corehbot::accelerometer::SensorKind;
 use corehbot::machine::examples;
 use corehbot::settings::{ProbeKind, Settings};
 use corehbot::units::{Mm, TICKS_PER_MS};
@@ -59,7 +59,7 @@ fn machine(kind: ProbeKind) -> (Settings, BedSetup) {
     let mut s = with_probe(heated());
     (s.probe.kind, s.probe.homes_z) = (kind, kind == ProbeKind::BlTouch);
     s.probe.offset.z = Mm::from_num(-1.5);
-    s.accelerometer.kind = Some(Kind::Adxl345);
+    s.accelerometer.kind = Some(SensorKind::Adxl345);
     (s.mesh.columns, s.mesh.rows) = (4, 4);
     let bed = bed_plant::read("bowl=0.2", &s).unwrap();
     (s, bed)

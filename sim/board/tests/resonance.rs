@@ -3,7 +3,7 @@
 
 use crate::common::heated;
 use crate::common::life::{Life, live_with};
-use corehbot::accelerometer::{Kind, SensorFault};
+use corehbot::accelerometer::{SensorFault, SensorKind};
 use corehbot::port::NoStorage;
 use corehbot::settings::Settings;
 use corehbot::units::{Mm, MmPerSec2};
@@ -17,7 +17,7 @@ use corehbot_sim::world::Desk;
 /// The prototype with a sensor.
 fn settings() -> Settings {
     let mut settings = Settings::prototype();
-    settings.accelerometer.kind = Some(Kind::Adxl345);
+    settings.accelerometer.kind = Some(SensorKind::Adxl345);
     settings
 }
 
@@ -191,7 +191,7 @@ fn a_sensor_that_fails_ends_the_sweep_and_the_tool_goes_back() {
 #[test]
 fn a_sensor_that_fails_leaves_the_heaters_alone() {
     let mut settings = heated::heated();
-    settings.accelerometer.kind = Some(Kind::Adxl345);
+    settings.accelerometer.kind = Some(SensorKind::Adxl345);
     let truth = SensorTruth { accident: Some((10_000, SensorAccident::IsUnplugged)), ..modes(&[(0, 48.6, 0.06, 1.0)]) };
     live(&settings, truth, |life| {
         life.say("M104 S60");

@@ -3,7 +3,7 @@
 use crate::common::heated::heated;
 use crate::common::life::{Life, live};
 use crate::common::on_bed::{over, with_probe};
-use corehbot::accelerometer::Kind;
+use corehbot::accelerometer::SensorKind;
 use corehbot::motors::EndstopSet;
 use corehbot_sim::bed_plant;
 use corehbot_sim::eeprom::Eeprom;
@@ -53,7 +53,7 @@ fn a_self_test_is_ended_at_once_by_each_of_them_and_told_once() {
 #[test]
 fn a_command_that_m410_ends_is_named_as_it_was_sent() {
     let mut s = with_probe(heated());
-    s.accelerometer.kind = Some(Kind::Adxl345);
+    s.accelerometer.kind = Some(SensorKind::Adxl345);
     let bed = bed_plant::read("bowl=0.2", &s).unwrap();
     for line in [
         "M303 E0 S150 C3",

@@ -9,8 +9,8 @@
 #![forbid(unsafe_code)]
 
 pub mod bed;
-pub mod heat;
 pub mod plant;
+pub mod thermal_plant;
 
 use corehbot::kinematics::ForwardKinematics;
 use corehbot::motors::{EndstopSet, MOTORS, Motor, MotorSet};

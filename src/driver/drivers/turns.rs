@@ -3,7 +3,7 @@
 use super::{Drivers, microsteps};
 use crate::driver::chip::Chip;
 use crate::driver::reading::Reading;
-use crate::driver::run::{Job, Look, Run};
+use crate::driver::run::{DriverJob, Look, Run};
 use crate::driver::watch::{Slot, Wanted};
 use crate::motors::Motor;
 use crate::port::DriverBus;
@@ -32,7 +32,7 @@ impl<C: Chip> Drivers<C> {
         {
             // With power, the old values are as good as the new ones, unless the size of a step changes.
             let steps = microsteps::<C>(&run.config);
-            driver.held = driver.held.filter(|held| run.job == Job::Adjust && microsteps::<C>(held) == steps);
+            driver.held = driver.held.filter(|held| run.job == DriverJob::Adjust && microsteps::<C>(held) == steps);
         }
         if let Some((request, reply)) = run.request() {
             bus.begin(run.motor, &request, reply);
@@ -82,10 +82,10 @@ impl<C: Chip> Drivers<C> {
             return None;
         }
         if let Some(motor) = self.stale() {
-            return Some(Run::new(motor, Job::Adjust, self.get(motor)?.wanted, true));
+            return Some(Run::new(motor, DriverJob::Adjust, self.get(motor)?.wanted, true));
         }
         let (job, motor) = self.asked.take()?;
-        if !self.lines.has(motor) || (job == Job::Verify && self.powered.has(motor)) {
+        if !self.lines.has(motor) || (job == DriverJob::Verify && self.powered.has(motor)) {
             // Nothing to report, or nothing to prove: the flags of a motor with power must not be cleared.
             self.result = Some(Ok(Reading::default()));
             return None;

@@ -1,6 +1,6 @@
 //! The answers to resonance tests.
 
-use crate::accelerometer::{Kind, SensorFault};
+use crate::accelerometer::{SensorFault, SensorKind};
 use crate::gcode::SweepAxis;
 use crate::settings::{HomedAxis, Range, Shaper};
 use crate::units::{Mm, MmPerSec, MmPerSec2};
@@ -64,12 +64,12 @@ pub(in crate::machine) enum ResonanceAnswer {
         reach: Range<Mm>,
     },
     /// The sensor failed.
-    Failed(Kind, SensorFault),
+    Failed(SensorKind, SensorFault),
     /// It is too noisy at rest: mm/s^2 along its x, y, z.
-    Noisy(Kind, [u32; 3]),
+    Noisy(SensorKind, [u32; 3]),
     /// M955: the samples of a second, and the noise.
     Sensor {
-        kind: Kind,
+        kind: SensorKind,
         rate: u32,
         noise: [u32; 3],
     },

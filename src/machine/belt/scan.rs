@@ -3,7 +3,7 @@
 //! A TMC2209 measures a motor's load only while it turns, so the tool makes a stroke and goes back at each place.
 
 use super::load_curve::{Load, Readings, Slope, load_of_stroke, slope};
-use crate::driver::{DriverError, Fault, Job};
+use crate::driver::{DriverError, DriverJob, Fault};
 use crate::kinematics::{Residual, motors_in};
 use crate::machine::answers::belt_answer::AlignError;
 use crate::machine::interrupt::Interrupt;
@@ -19,7 +19,7 @@ use crate::units::{Mm, MmPerSec};
 /// few 10 rpm").
 const SPEED: MmPerSec = MmPerSec::const_from_int(40);
 
-/// Length of a stroke, 1.5 s: about 25 jobs of [`Job::Load`] between the polls. On a short axis, a third of it.
+/// Length of a stroke, 1.5 s: about 25 jobs of [`DriverJob::Load`] between the polls. On a short axis, a third of it.
 const STROKE: Mm = Mm::const_from_int(60);
 
 /// Part of a stroke at either end that is not measured: enough to reach the speed with 200 mm/s2.
@@ -154,7 +154,7 @@ async fn go_along<P: PortSet, W: Wake>(
     while main_loop.motion.has_motion() {
         main_loop.motion.release_all(&main_loop.settings);
         for motor in scan.motors.iter() {
-            let reading = main_loop.ask_driver(Job::Load, motor).await?;
+            let reading = main_loop.ask_driver(DriverJob::Load, motor).await?;
             let reading = reading.map_err(|error: DriverError| {
                 AlignError::Driver(Fault { motor, name: main_loop.settings.name_of(motor), error })
             })?;

@@ -9,7 +9,7 @@ use crate::gcode::{
 use crate::machine::answers::answer::Answer;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
-use crate::machine::main_loop::z_offset::tell_of_z_offset;
+use crate::machine::main_loop::offsets::tell_of_z_offset;
 use crate::machine::ports::PortSet;
 use crate::machine::probe::touch::end_touch;
 use crate::machine::state::job::JobEnd;

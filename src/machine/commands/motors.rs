@@ -7,7 +7,7 @@ use super::job::end_by_line;
 use super::retraction::forget_retraction;
 use super::screws::{level_screws, tell_hand_screws};
 use super::states::States;
-use crate::driver::Job;
+use crate::driver::DriverJob;
 use crate::gcode::{AxisFlags, MotorCommand};
 use crate::kinematics::Groups;
 use crate::machine::answers::answer::Answer;
@@ -102,7 +102,7 @@ pub(super) async fn diagnose<P: PortSet, W: Wake>(
     let fitted = main_loop.motion.groups().fitted();
     for motor in Motor::ALL.into_iter().filter(|motor| fitted.has(*motor)) {
         let has_uart = main_loop.power.uarts().has(motor);
-        let reading = if has_uart { Some(main_loop.ask_driver(Job::Read, motor).await?) } else { None };
+        let reading = if has_uart { Some(main_loop.ask_driver(DriverJob::Read, motor).await?) } else { None };
         main_loop.reply(Answer::Driver(motor, reading)).await?;
     }
     report_belt(main_loop).await?;

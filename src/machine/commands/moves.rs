@@ -15,7 +15,7 @@ use crate::machine::apart::apart;
 use crate::machine::belt::align::lacks_alignment;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
-use crate::machine::main_loop::z_offset::z_reach;
+use crate::machine::main_loop::offsets::z_reach;
 use crate::machine::ports::PortSet;
 use crate::machine::state::commanded::{Commanded, LEAST_FILAMENT, Wanted};
 use crate::machine::state::job::any_of;

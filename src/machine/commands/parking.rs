@@ -7,7 +7,7 @@ use super::states::States;
 use crate::gcode::ParkWords;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
-use crate::machine::main_loop::z_offset::z_reach;
+use crate::machine::main_loop::offsets::z_reach;
 use crate::machine::ports::PortSet;
 use crate::motion::Target;
 use crate::port::{EndstopSet, Wake};

@@ -1,5 +1,5 @@
 //! SELF_TEST, and the wait for a self-test of the heaters that is under way. The one before the first heating after an
-//! update begins in `main_loop::heat` (`test_before_heating`).
+//! update begins in `main_loop::heaters` (`test_before_heating`).
 
 use super::heating::LINE_MS;
 use crate::machine::answers::answer::Answer;

@@ -3,8 +3,8 @@
 
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
+use crate::machine::main_loop::offsets::name_home;
 use crate::machine::main_loop::shift_axis::shift_axis;
-use crate::machine::main_loop::z_offset::name_home;
 use crate::machine::ports::PortSet;
 use crate::machine::state::job::{HomingFailure, JobEnd};
 use crate::port::{EndstopSet, MotorSet, Wake};

@@ -1,6 +1,6 @@
 //! The first layer: the offset of z, shifted while moves are under way (M290, SET_GCODE_OFFSET).
 //!
-//! `main_loop::z_offset` shifts it, the generator makes the steps (`motion::stepgen::z_offset`). SET_GCODE_OFFSET
+//! `main_loop::offsets` shifts it, the generator makes the steps (`motion::stepgen::z_count`). SET_GCODE_OFFSET
 //! changes the program's offset and no other. M290 changes that of the probe where it homes z, otherwise the program's.
 //! Without P0 the change is kept over homing, and M500 stores it.
 
@@ -9,7 +9,7 @@ use crate::gcode::{MotionCommand, Number, OffsetWords};
 use crate::machine::answers::answer::Answer;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
-use crate::machine::main_loop::z_offset::{let_z_stand, shift_z, z_reach};
+use crate::machine::main_loop::offsets::{let_z_stand, shift_z, z_reach};
 use crate::machine::ports::PortSet;
 use crate::port::Wake;
 use crate::settings::{Range, Settings, ZStore, ranges};

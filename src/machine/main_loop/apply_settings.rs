@@ -3,8 +3,8 @@
 
 use super::MainLoop;
 use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::offsets::move_origins;
 use crate::machine::main_loop::surface::{leave_surface, take_known_mesh};
-use crate::machine::main_loop::z_offset::move_origins;
 use crate::machine::numbers::exact;
 use crate::machine::ports::PortSet;
 use crate::port::Wake;

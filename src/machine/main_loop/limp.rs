@@ -21,7 +21,7 @@ use crate::kinematics::Grouping;
 use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
-use crate::machine::main_loop::z_offset::z_reach;
+use crate::machine::main_loop::offsets::z_reach;
 use crate::machine::ports::PortSet;
 use crate::motion::Target;
 use crate::port::{EndstopSet, Motor, MotorSet, Wake};

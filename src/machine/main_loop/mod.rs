@@ -22,12 +22,12 @@
 //! | [`sweep`](mod@sweep) | the sweep of a resonance test |
 //! | [`settings`] | the settings in use |
 //! | [`apply_settings`] | settings with effects beyond the next plan |
-//! | [`z_offset`] | the offset of z, live and kept |
+//! | [`offsets`] | the offsets of z and of home, live and kept |
 //! | [`regroup`] | a belt, or one motor of it, takes the place of z |
 //! | [`surface`] | the mesh of the bed, and whether z follows it |
 //! | [`trim`], [`phase`] | turning of one motor of a belt alone; alignment of its motors as they get power |
 //! | [`power`], [`powering`] | power for the motors, and exchanges with their drivers; the waits for it |
-//! | [`heat`], [`heat_poll`] | orders for heaters and fans; their part of a turn |
+//! | [`heaters`], [`heat_poll`] | orders for heaters and fans; their part of a turn |
 //! | [`scrub`] | whether settings in RAM are unchanged |
 //! | [`limp`] | a motor of a belt has failed, and the others park the tool |
 //! | [`halted`] | after a stop: replies to hosts until M999 |
@@ -38,11 +38,12 @@
 
 mod apply_settings;
 pub(in crate::machine) mod halted;
-mod heat;
 mod heat_poll;
+mod heaters;
 pub(in crate::machine) mod input;
 pub(in crate::machine) mod limp;
 mod motion;
+pub(in crate::machine) mod offsets;
 pub(in crate::machine) mod phase;
 mod power;
 mod powering;
@@ -55,9 +56,8 @@ mod stream;
 pub(in crate::machine) mod surface;
 pub(in crate::machine) mod sweep;
 pub(in crate::machine) mod trim;
-pub(in crate::machine) mod z_offset;
 
-use self::heat::Heaters;
+use self::heaters::Heaters;
 use self::motion::Motion;
 use self::motion::hand_on::Fed;
 use self::power::Power;

@@ -15,7 +15,7 @@
 //! If a driver does not count steps without power the sum is still wrong then, and the motor is trimmed with power.
 
 use super::trim::{preload_of, trim, trimmed};
-use crate::driver::Job;
+use crate::driver::DriverJob;
 use crate::kinematics::{Residual, Residuals};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::belt_answer::{AlignError, BeltAnswer};
@@ -53,7 +53,7 @@ async fn phase_sum<P: PortSet, W: Wake>(
 ) -> Result<Option<i32>, Interrupt> {
     let mut sum = 0;
     for (motor, times) in Motor::ALL.into_iter().zip(*residual).filter(|(_, times)| *times != 0) {
-        let reading = main_loop.ask_driver(Job::Phase, motor).await?;
+        let reading = main_loop.ask_driver(DriverJob::Phase, motor).await?;
         let Some(phase) = reading.ok().and_then(|reading| reading.phase()) else { return Ok(None) };
         sum += times * way(&main_loop.settings, motor) * i32::from(phase);
     }

@@ -3,7 +3,7 @@
 //! Invariant: a motor gets power only after its driver has just shown that it holds its settings (`driver::Drivers`).
 //! [`powering`](super::powering) has the waits for that.
 
-use crate::driver::{DriverError, Drivers, Fault, Job, News, Reading};
+use crate::driver::{DriverError, DriverJob, Drivers, Fault, News, Reading};
 use crate::machine::ports::PortSet;
 use crate::machine::state::idle_timeout::IdleTimeout;
 use crate::motors::Coupling;
@@ -71,7 +71,7 @@ impl<P: PortSet> Power<P> {
     }
 
     /// Has a job done with one driver.
-    pub(super) fn ask(&mut self, job: Job, motor: Motor) {
+    pub(super) fn ask(&mut self, job: DriverJob, motor: Motor) {
         self.drivers.ask(job, motor);
     }
 

@@ -2,7 +2,7 @@
 //! or none of them gets it.
 
 use super::phase::{align_by_phases, meet_phases};
-use crate::driver::{DriverError, Fault, Job, News, Reading};
+use crate::driver::{DriverError, DriverJob, Fault, News, Reading};
 use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
@@ -57,7 +57,7 @@ impl<P: PortSet, W: Wake> MainLoop<'_, P, W> {
             let (powered, missing) = (self.power.powered(), motors.without(self.power.powered()));
             if let Some(motor) = self.power.unproved(powered.with(missing), now) {
                 proofs += 1;
-                let proof = self.ask_driver(Job::Verify, motor).await?;
+                let proof = self.ask_driver(DriverJob::Verify, motor).await?;
                 let proof = proof.and(if proofs < MOST_PROOFS { Ok(()) } else { Err(DriverError::Garbled) });
                 if let Err(error) = proof {
                     // Before the message to the host, which may be slow.
@@ -122,7 +122,11 @@ impl<P: PortSet, W: Wake> MainLoop<'_, P, W> {
     }
 
     /// Has a job done with one driver.
-    pub async fn ask_driver(&mut self, job: Job, motor: Motor) -> Result<Result<Reading, DriverError>, Interrupt> {
+    pub async fn ask_driver(
+        &mut self,
+        job: DriverJob,
+        motor: Motor,
+    ) -> Result<Result<Reading, DriverError>, Interrupt> {
         self.power.ask(job, motor);
         loop {
             if let Some(result) = self.power.answer() {

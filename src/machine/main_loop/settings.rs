@@ -4,8 +4,8 @@
 //! |---|---|---|
 //! | limits, soft endstops, plain numbers | [`MainLoop::live_settings`] | the open line keeps its limits |
 //! | heaters and fans | [`MainLoop::heat_settings`] | the heater control gets them |
-//! | home offsets | `use_home_offsets` of [`z_offset`](super::z_offset) | the program's zero moves |
-//! | the offset of z | `shift_z`, `let_z_stand` of [`z_offset`](super::z_offset) | z or the program's zero moves |
+//! | home offsets | `use_home_offsets` of [`offsets`](super::offsets) | the program's zero moves |
+//! | the offset of z | `shift_z`, `let_z_stand` of [`offsets`](super::offsets) | z or the program's zero moves |
 //! | drivers | [`MainLoop::use_driver_settings`] | the drivers get them |
 //! | pressure advance | [`MainLoop::use_advance`] | motion comes to rest before a new delay |
 //! | all, with size of a step and shapers | [`MainLoop::use_settings`] | it rests before, all get the position |

@@ -41,7 +41,7 @@ mod merge;
 mod step_time_buffer;
 mod step_time_solver;
 mod sweeping;
-mod z_offset;
+mod z_count;
 
 use crate::fault::{Cause, Fault};
 use crate::kinematics::{Groupings, Groups};
@@ -64,7 +64,7 @@ use group_stepper::GroupStepper;
 use heapless::spsc::Consumer;
 use merge::TURN_AHEAD;
 use sweeping::Sweeping;
-use z_offset::ZCount;
+use z_count::ZCount;
 
 /// Events made in one call of [`StepGenerator::run`]: about 10,000 instructions, 0.1 ms at 125 million a second. Then
 /// interrupts of the same priority get their turn.

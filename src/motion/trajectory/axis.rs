@@ -50,7 +50,7 @@ pub(super) trait Spans {
 }
 
 /// An axis.
-pub(super) struct Axis {
+pub(super) struct AxisPath {
     index: usize,
     taps: Kept<Taps>,
     cursors: [Cursor; TAPS],
@@ -82,7 +82,7 @@ impl Lateness {
     }
 }
 
-impl Axis {
+impl AxisPath {
     /// An axis that follows the spans without delay.
     pub fn new(index: usize) -> Self {
         Self {

@@ -51,7 +51,7 @@ use crate::motion::surface::SurfaceFrame;
 use crate::settings::Kept;
 use crate::surface::{Heights, MOST_POINTS};
 use crate::units::{Steps, SubTicks, part_of};
-use axis::{Axis, Spans};
+use axis::{AxisPath, Spans};
 use phase::{Curve, Phase, point};
 use span::ONE;
 use z_offset::ZOffset;
@@ -117,7 +117,7 @@ fn between(from: u32, to: u32, SubTicks(part): SubTicks, SubTicks(whole): SubTic
 /// The spans, and the progress of each axis in them.
 pub(crate) struct Trajectory<'m> {
     ring: Ring<'m>,
-    axes: [Axis; AXES],
+    axes: [AxisPath; AXES],
     z_offset: ZOffset,
     /// The last span was taken back and is laid again as far as it has passed: the taps' scale at its end, and its
     /// duration.
@@ -131,7 +131,7 @@ impl<'m> Trajectory<'m> {
     pub fn new(spans: &'m mut SpanMemory) -> Self {
         let end = Boundary::new(SubTicks::ZERO, [Steps::ZERO; AXES]);
         let ring = Ring { spans, laid: 0, end };
-        let mut axes = core::array::from_fn(Axis::new);
+        let mut axes = core::array::from_fn(AxisPath::new);
         for axis in axes.iter_mut().take(ADVANCE) {
             axis.follow(&[Tap::IDENTITY], true);
         }
@@ -194,13 +194,14 @@ impl<'m> Trajectory<'m> {
 
     /// Whether the taps of an axis, and the surface if it follows one, are unchanged in memory.
     pub fn is_whole(&self, axis: usize) -> bool {
-        self.axes.get(axis).is_none_or(Axis::is_whole) && (axis != Z || !self.has_surface() || self.heights.is_whole())
+        self.axes.get(axis).is_none_or(AxisPath::is_whole)
+            && (axis != Z || !self.has_surface() || self.heights.is_whole())
     }
 
     /// A tap of an axis, which must not be changed.
     #[cfg(test)]
     pub fn damage(&mut self, axis: usize) -> Option<&mut Tap> {
-        self.axes.get_mut(axis).and_then(Axis::damage)
+        self.axes.get_mut(axis).and_then(AxisPath::damage)
     }
 
     /// Sets the stiffening of an axis; all axes are at rest.
@@ -248,13 +249,13 @@ impl<'m> Trajectory<'m> {
     }
 
     fn longest_delay(&self) -> SubTicks {
-        self.axes.iter().flat_map(Axis::delays).max().unwrap_or_default()
+        self.axes.iter().flat_map(AxisPath::delays).max().unwrap_or_default()
     }
 
     /// Minimum time of a span laid now. It is zero unless so many short spans wait for the slowest tap that another
     /// could overwrite a span still in use. Then spans take longer to prevent this.
     pub fn least_time(&self) -> SubTicks {
-        let used = |axis: &Axis| self.ring.laid.wrapping_sub(axis.oldest(self.ring.laid)) as usize;
+        let used = |axis: &AxisPath| self.ring.laid.wrapping_sub(axis.oldest(self.ring.laid)) as usize;
         let free = SPANS - 1 - self.axes.iter().map(used).max().unwrap_or_default().min(SPANS - 2);
         if free >= SPANS / 4 { SubTicks::ZERO } else { SubTicks(self.longest_delay().0 / free as u64) }
     }
@@ -357,7 +358,7 @@ impl<'m> Trajectory<'m> {
     #[inline(never)]
     fn state_on_surface(&self, time: SubTicks) -> AxisState {
         let [x, y, z, ..] = &self.axes;
-        let at = |axis: &Axis| {
+        let at = |axis: &AxisPath| {
             let state = axis.state_ahead(&self.ring, time);
             (state.position, state.speed)
         };

@@ -3,7 +3,7 @@
 extern crate std;
 
 use super::*;
-use crate::accelerometer::Kind;
+use crate::accelerometer::SensorKind;
 use crate::connectors::samples::{BENCH, OTHER, PRINTER};
 use crate::kinematics::Mechanism;
 use crate::motors::{Motor, prototype};
@@ -111,7 +111,7 @@ fn a_probe_with_a_kind_has_an_input_and_a_bltouch_a_servo() {
 #[test]
 fn an_accelerometer_needs_a_connector_of_its_own() {
     let mut s = Settings::prototype();
-    s.accelerometer.kind = Some(Kind::Lis2dw12);
+    s.accelerometer.kind = Some(SensorKind::Lis2dw12);
     assert_eq!(s.check_connectors(&PRINTER), Ok(()));
     s.wiring = Wiring::usual(&OTHER);
     assert_eq!(error(&s, &OTHER), "accelerometer: the other has no connector for one");

@@ -3,7 +3,7 @@
 use super::Thermistor;
 use crate::connectors::{Output, Sensor};
 use crate::settings::ranges;
-use crate::settings::rows::{Choice, Kind, Spec, numbers, rows};
+use crate::settings::rows::{Choice, Spec, ValueKind, numbers, rows};
 use crate::units::{Celsius, JoulesPerKelvin, Ratio, Seconds, Watts, WattsPerKelvin};
 use serde::{Deserialize, Serialize};
 
@@ -229,7 +229,7 @@ rows! {
     /// The input of its temperature sensor.
     72 "sensor" = &mut heater.sensor, "", [Spec::choice::<Sensor>()];
     /// The kind of sensor; or an NTC by three points (C, Ohm), or by Ohm at 25 C, B in K and a cubic term.
-    73 "thermistor" = &mut heater.thermistor, "", [Spec::packed((1 << 47) - 1, Kind::Thermistor).from_zero()];
+    73 "thermistor" = &mut heater.thermistor, "", [Spec::packed((1 << 47) - 1, ValueKind::Thermistor).from_zero()];
     /// Highest target.
     74 "most" = &mut heater.most, "C", [ranges::HOTEND.spec(), ranges::BED.spec(), ranges::BED.spec()];
     /// Power at full duty.

@@ -40,7 +40,7 @@
 //!   `thermal/control.rs` if it does not belong to one heater;
 //! - its numbers from the settings, if any, in the sum of `HeaterGuards::numbers`;
 //! - a [`Cause`] (`fault/cause.rs`);
-//! - its measurement, in `port::ThermalPort` (`chips/stm32f446/src/heat.rs`, `sim/rig/src/heat.rs`,
+//! - its measurement, in `port::ThermalPort` (`chips/stm32f446/src/board_heat.rs`, `sim/rig/src/thermal_plant.rs`,
 //!   `tests/support/printer.rs` and `tests/support/wild_heat.rs` implement it, `emulator/src/wiring.rs` has the pins);
 //! - its threshold, if any, in `settings::Guards`;
 //! - a fault of the plant that it finds (`sim/rig/src/plant/faults.rs`, tested in `sim/rig/src/plant/tests/broken.rs`);

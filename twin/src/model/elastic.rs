@@ -26,7 +26,7 @@ pub struct Freedom {
 
 /// Role of a coordinate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
+pub enum ElasticPart {
     /// It moves and has mass.
     Moves,
     /// It is compliant, with negligible mass.
@@ -43,7 +43,7 @@ pub struct Elastic {
     /// The elastic parts of the belt.
     pub links: Links,
     /// Role of each coordinate.
-    pub parts: Vec<Part>,
+    pub parts: Vec<ElasticPart>,
     /// Stiffness of each coordinate without the belt, in N/mm: a field, or the guides.
     pub held_by: Vec<f64>,
     /// N/mm; N between x or y and the yaw, N mm/rad for the yaw.
@@ -80,21 +80,21 @@ impl Elastic {
 
     /// The coordinates with this role.
     #[must_use]
-    pub fn with_part(&self, part: Part) -> Vec<usize> {
+    pub fn with_part(&self, part: ElasticPart) -> Vec<usize> {
         (0..self.parts.len()).filter(|i| self.parts.get(*i) == Some(&part)).collect()
     }
 }
 
-fn part(coordinate: Coordinate, freedom: Freedom) -> Part {
+fn part(coordinate: Coordinate, freedom: Freedom) -> ElasticPart {
     match coordinate {
-        Coordinate::X | Coordinate::Y | Coordinate::Z | Coordinate::Frame(_) => Part::Moves,
-        Coordinate::Yaw if freedom.yaw => Part::Moves,
-        Coordinate::Yaw => Part::Held,
+        Coordinate::X | Coordinate::Y | Coordinate::Z | Coordinate::Frame(_) => ElasticPart::Moves,
+        Coordinate::Yaw if freedom.yaw => ElasticPart::Moves,
+        Coordinate::Yaw => ElasticPart::Held,
         // Spans have none.
-        Coordinate::Idler(_) => Part::Moves,
-        Coordinate::Motor(_) if freedom.rotors => Part::Moves,
-        Coordinate::Motor(number) if freedom.free_motor == Some(number) => Part::GivesWay,
-        Coordinate::Motor(_) => Part::Held,
+        Coordinate::Idler(_) => ElasticPart::Moves,
+        Coordinate::Motor(_) if freedom.rotors => ElasticPart::Moves,
+        Coordinate::Motor(number) if freedom.free_motor == Some(number) => ElasticPart::GivesWay,
+        Coordinate::Motor(_) => ElasticPart::Held,
     }
 }
 

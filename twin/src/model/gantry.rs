@@ -11,7 +11,7 @@ use crate::params::Params;
 use crate::routing::{Machine, Place, Stop};
 use nalgebra::{DMatrix, DVector};
 
-/// Coordinates of [`Part::row`].
+/// Coordinates of [`GantryPart::row`].
 pub const COORDINATES: usize = 6;
 
 /// The bar's yaw, and the gantry's tilts about x and y, among them; x, y and z of the tool stand before.
@@ -26,7 +26,7 @@ const MM_PER_M: f64 = 1000.0;
 
 /// A part of a belt with one tension: a span between clamp and motor, or a whole belt that its motor lets slip.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Part {
+pub struct GantryPart {
     /// Its name.
     pub name: &'static str,
     /// Its belt, in the order of the machine's belts.
@@ -45,7 +45,7 @@ pub struct Part {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gantry {
     /// The parts of the belts.
-    pub parts: Vec<Part>,
+    pub parts: Vec<GantryPart>,
     /// Stiffness of the guides at each coordinate: N/mm, N mm/rad.
     pub guides: [f64; COORDINATES],
 }
@@ -68,7 +68,7 @@ impl Gantry {
         let of = |row: &[f64], coordinate| spans.index(coordinate).and_then(|i| row.get(i)).copied().unwrap_or(0.0);
         let part = |(span, [x, y]): (&super::links::Link, [f64; 2])| {
             let [along_x, along_y, up] = Coordinate::TOOL.map(|axis| of(&span.row, axis));
-            Part {
+            GantryPart {
                 name: span.span,
                 belt: span.belt,
                 length_mm: span.length_mm,
@@ -86,7 +86,7 @@ impl Gantry {
     #[must_use]
     pub fn loose(machine: Machine, params: &Params, tool: Place) -> Self {
         let Self { parts, guides } = Self::held(machine, params, tool);
-        let mut belts: Vec<Part> = Vec::new();
+        let mut belts: Vec<GantryPart> = Vec::new();
         for part in parts {
             match belts.last_mut() {
                 Some(belt) if belt.belt == part.belt => {
@@ -127,7 +127,7 @@ impl Gantry {
         let solved = stiffness.cholesky()?.solve(&pull);
         let mut moved = [0.0; COORDINATES];
         moved.iter_mut().skip(from).zip(solved.iter()).for_each(|(to, way)| *to = *way);
-        let stretch = |part: &Part| part.row.iter().zip(moved).map(|(row, moved)| row * moved).sum::<f64>();
+        let stretch = |part: &GantryPart| part.row.iter().zip(moved).map(|(row, moved)| row * moved).sum::<f64>();
         let tensions_n =
             self.parts.iter().zip(taken_mm).map(|(part, taken)| part.stiffness * (stretch(part) + taken)).collect();
         Some(Given { moved, tensions_n })

@@ -20,7 +20,7 @@ use crate::params::TOOTH_MM;
 use crate::routing::{Machine, Place};
 use crate::shaping::by_tool::{ByTool, by_tool};
 use crate::shaping::design::{Design, designs};
-use crate::shaping::shaper::{Kind, impulses, residual};
+use crate::shaping::shaper::{ShaperKind, impulses, residual};
 use crate::shaping::wall::Print;
 use crate::solve::NotHeld;
 use crate::solve::modes::{Mode, Ringing, mode_of, modes};
@@ -234,7 +234,7 @@ impl Resonance {
 }
 
 /// The line that sets a shaper.
-fn line(letter: &str, kind: Kind, frequency_hz: f64, damping: f64) -> String {
+fn line(letter: &str, kind: ShaperKind, frequency_hz: f64, damping: f64) -> String {
     format!("M593 {letter} F{frequency_hz:.1} D{damping:.3} T{}", kind.number())
 }
 
@@ -322,7 +322,7 @@ fn told_by_tool(f: &mut std::fmt::Formatter<'_>, axis: &AxisResonance) -> std::f
     writeln!(f, "     {line}")?;
     let by_vibration = axis.suggestion.filter(|other| other.kind != ranked.suggestion.kind);
     let Some(other) = by_vibration else { return Ok(()) };
-    let of = |kind: Kind| ranked.shapers.iter().find(|s| s.kind == kind).map_or(0.0, |s| s.worst_wall.rms_um);
+    let of = |kind: ShaperKind| ranked.shapers.iter().find(|s| s.kind == kind).map_or(0.0, |s| s.worst_wall.rms_um);
     let (own, its) = (ranked.suggestion.kind, other.kind);
     // Each as its line sets it: both rankings have a kind at other frequencies.
     let [its_left, own_left] = [other.worst_residual, ranked.suggestion.worst_residual].map(|left| 100.0 * left);

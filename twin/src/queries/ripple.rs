@@ -11,7 +11,7 @@ use super::{At, Setup, shown};
 use crate::params::Params;
 use crate::ripple::quiet::quiet_and_loud;
 use crate::ripple::response::{Response, Shaken};
-use crate::ripple::source::{Amounts, Kind};
+use crate::ripple::source::{Amounts, RippleKind};
 use crate::solve::NotHeld;
 use serde::Serialize;
 
@@ -113,7 +113,7 @@ pub struct Worst {
     /// The same if all phases meet.
     pub aligned_um: f64,
     /// The strongest kind of source.
-    pub by: Option<Kind>,
+    pub by: Option<RippleKind>,
 }
 
 /// A speed.
@@ -129,7 +129,7 @@ pub struct Best {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SourceAnswer {
     /// Which.
-    pub kind: Kind,
+    pub kind: RippleKind,
     /// Amplitude across the path.
     pub across_um: f64,
     /// The speed.
@@ -164,7 +164,7 @@ pub struct Current {
 struct Sum {
     squares: f64,
     aligned: f64,
-    kinds: [f64; Kind::ALL.len()],
+    kinds: [f64; RippleKind::ALL.len()],
 }
 
 impl Sum {
@@ -184,8 +184,8 @@ impl Sum {
         self.squares.sqrt()
     }
 
-    fn loudest(&self) -> Option<Kind> {
-        let kinds = Kind::ALL.into_iter().zip(self.kinds).filter(|(_, square)| *square > 0.0);
+    fn loudest(&self) -> Option<RippleKind> {
+        let kinds = RippleKind::ALL.into_iter().zip(self.kinds).filter(|(_, square)| *square > 0.0);
         kinds.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(kind, _)| kind)
     }
 }
@@ -273,7 +273,7 @@ impl<'q> Look<'q> {
             speeds.filter(move |v| (slowest..=fastest).contains(v)).map(move |v| (*angle, v, self.sum(*angle, v)))
         });
         let places: Vec<(f64, f64, Sum)> = even.chain(by_speed).chain(by_angle).collect();
-        let loudest = |kind: Kind| {
+        let loudest = |kind: RippleKind| {
             let own = |sum: &Sum| sum.kinds.get(kind as usize).copied().unwrap_or(0.0).sqrt();
             let all = places.iter().map(|(angle, speed, sum)| (own(sum), *angle, *speed));
             let (across_um, angle_deg, speed_mm_s) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
@@ -282,7 +282,7 @@ impl<'q> Look<'q> {
             let Shaken { frequency_hz, wave_mm, .. } = strongest;
             Some(SourceAnswer { kind, across_um, speed_mm_s, angle_deg, frequency_hz, wave_mm })
         };
-        Kind::ALL.into_iter().filter_map(loudest).collect()
+        RippleKind::ALL.into_iter().filter_map(loudest).collect()
     }
 
     /// Amplitude of waves that are too long for a ripple, in the worst direction at the lowest speed.
@@ -409,7 +409,7 @@ impl std::fmt::Display for Ripple {
             }
             let worst = self.worst.get(some.clone()).unwrap_or_default();
             if let Some(worst) = worst.iter().max_by(|a, b| a.across_um.total_cmp(&b.across_um)) {
-                let by = worst.by.map_or("", Kind::name);
+                let by = worst.by.map_or("", RippleKind::name);
                 write!(
                     f,
                     "{:>9}, {:>5.1} deg {:>11}  {by}",

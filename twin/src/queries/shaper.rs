@@ -1,6 +1,6 @@
 //! Shaper: what a given shaper leaves of vibrations of given frequencies, and what it costs.
 
-use crate::shaping::shaper::{CORNER_SPEED, Kind, SMOOTHED_ACCELERATION, impulses, residual, smoothing_mm};
+use crate::shaping::shaper::{CORNER_SPEED, SMOOTHED_ACCELERATION, ShaperKind, impulses, residual, smoothing_mm};
 use serde::Serialize;
 
 /// The rating of a shaper.
@@ -8,7 +8,7 @@ use serde::Serialize;
 pub struct Rating {
     /// Its kind.
     #[serde(rename = "type")]
-    pub kind: Kind,
+    pub kind: ShaperKind,
     /// Its frequency.
     #[serde(rename = "frequency_Hz")]
     pub frequency_hz: f64,
@@ -48,7 +48,7 @@ pub struct Left {
 impl Rating {
     /// For vibrations of these frequencies and this damping.
     #[must_use]
-    pub fn new(kind: Kind, frequency_hz: f64, damping: f64, rings_hz: &[f64], ring_damping: f64) -> Self {
+    pub fn new(kind: ShaperKind, frequency_hz: f64, damping: f64, rings_hz: &[f64], ring_damping: f64) -> Self {
         let parts = impulses(kind, frequency_hz, damping);
         let left = |frequency_hz: &f64| Left {
             frequency_hz: *frequency_hz,

@@ -27,14 +27,14 @@ pub struct Tension {
     #[serde(flatten)]
     pub at: At,
     /// The straight parts, belt after belt in the direction of travel.
-    pub parts: Vec<Part>,
+    pub parts: Vec<SpanTension>,
     /// Belts of which a pitch was heard.
     pub heard: Vec<Heard>,
 }
 
 /// A straight part of a belt.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Part {
+pub struct SpanTension {
     /// Its number, from 1.
     pub part: usize,
     /// Its belt, from 1.
@@ -115,7 +115,7 @@ impl Tension {
             let wanted_n = wanted_n.unwrap_or_else(|| params.preload_n.of(link.belt));
             let unit = span_tension_n(segment.length_mm, mass, 1.0);
             let heard_hz = heard.iter().find(|(part, _)| *part == index + 1).map(|(_, hz)| *hz);
-            Part {
+            SpanTension {
                 part: index + 1,
                 belt: link.belt + 1,
                 span: link.span,
@@ -128,7 +128,7 @@ impl Tension {
                 tension_n: heard_hz.map(|hz| unit * hz * hz),
             }
         };
-        let mut parts: Vec<Part> = segments.iter().zip(&links).enumerate().map(part).collect();
+        let mut parts: Vec<SpanTension> = segments.iter().zip(&links).enumerate().map(part).collect();
         for (index, (wanted, _)) in heard.iter().enumerate() {
             if heard.iter().skip(index + 1).any(|(other, _)| other == wanted) {
                 return Err(TensionError::Twice(*wanted));
@@ -151,7 +151,7 @@ impl Tension {
     }
 }
 
-fn by_belt(belt: usize, parts: &[Part]) -> Option<Heard> {
+fn by_belt(belt: usize, parts: &[SpanTension]) -> Option<Heard> {
     let own = || parts.iter().filter(|part| part.belt == belt);
     let tensions: Vec<f64> = own().filter_map(|part| part.tension_n).collect();
     if tensions.is_empty() {

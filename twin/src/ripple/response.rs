@@ -7,10 +7,10 @@
 //! A source meets a mode at one speed for each direction, and at one or two directions for each speed. Peaks are
 //! narrow, so whoever looks for the worst looks there, and not at even distances alone.
 
-use super::source::{Amounts, Kind, sources};
+use super::source::{Amounts, RippleKind, sources};
 use crate::math::{acos, atan2, hypot, ln, powi, sin_cos};
 use crate::model::coordinate::Coordinate;
-use crate::model::elastic::{Elastic, Freedom, Part};
+use crate::model::elastic::{Elastic, ElasticPart, Freedom};
 use crate::params::Params;
 use crate::routing::{Machine, Place};
 use crate::solve::NotHeld;
@@ -40,7 +40,7 @@ type Moved = [Complex<f64>; 2];
 /// A source, and the tool's motion by it.
 #[derive(Clone, Debug)]
 struct Pulls {
-    kind: Kind,
+    kind: RippleKind,
     pulley: u8,
     pitch_mm: f64,
     belt_per_mm: [f64; 2],
@@ -60,7 +60,7 @@ pub struct Response {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shaken {
     /// What repeats.
-    pub kind: Kind,
+    pub kind: RippleKind,
     /// Number of its motor or idler.
     pub pulley: u8,
     /// Its frequency.
@@ -81,7 +81,7 @@ impl Response {
     pub fn new(machine: Machine, params: &Params, tool: Place, amounts: &Amounts, yaw: bool) -> Result<Self, NotHeld> {
         let freedom = Freedom { idlers: true, rotors: true, yaw, free_motor: None };
         let elastic = Elastic::new(machine, params, tool, freedom);
-        let moving = elastic.with_part(Part::Moves);
+        let moving = elastic.with_part(ElasticPart::Moves);
         let sources = sources(&elastic, params, amounts, tool);
         let own = |all: &DVector<f64>| DVector::from_iterator(moving.len(), moving.iter().map(|i| all[*i]));
         let forces: Vec<[DVector<f64>; 2]> = sources.iter().map(|source| source.force_n.each_ref().map(own)).collect();

@@ -36,7 +36,7 @@ const NO_WAY: f64 = 1e-6;
 /// What repeats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Kind {
+pub enum RippleKind {
     /// The detent of a motor.
     Detent,
     /// Error of a motor's field once a full step.
@@ -51,7 +51,7 @@ pub enum Kind {
     Pulley,
 }
 
-impl Kind {
+impl RippleKind {
     /// All of them.
     pub const ALL: [Self; 6] =
         [Self::Detent, Self::FullStep, Self::HalfTurn, Self::ElectricalTurn, Self::Tooth, Self::Pulley];
@@ -110,7 +110,7 @@ impl Amounts {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Source {
     /// What repeats.
-    pub kind: Kind,
+    pub kind: RippleKind,
     /// Number of its motor or idler.
     pub pulley: u8,
     /// Belt from one repeat to the next.
@@ -140,7 +140,7 @@ pub fn sources(elastic: &Elastic, params: &Params, amounts: &Amounts, tool: Plac
         };
         let Some(at) = elastic.links.index(coordinate) else { continue };
         let belt_per_mm = forwards(at, stop);
-        let mut add = |kind: Kind, pitch_mm: f64, force_n: [DVector<f64>; 2], is_stretch: bool| {
+        let mut add = |kind: RippleKind, pitch_mm: f64, force_n: [DVector<f64>; 2], is_stretch: bool| {
             sources.push(Source { kind, pulley: stop.number, pitch_mm, belt_per_mm, force_n, is_stretch });
         };
         let none = || DVector::<f64>::zeros(elastic.parts.len());
@@ -155,20 +155,25 @@ pub fn sources(elastic: &Elastic, params: &Params, amounts: &Amounts, tool: Plac
                 [all, none()]
             };
             let field = |percent: f64| params.field_stiffness_n_per_mm(motor) * step_mm * percent / 100.0;
-            add(Kind::Detent, step_mm, on_rotor(amounts.detent_torque_nm * 1000.0 / radius_mm), false);
-            add(Kind::FullStep, step_mm, on_rotor(field(amounts.full_step_error_percent)), false);
-            add(Kind::HalfTurn, 2.0 * step_mm, on_rotor(field(amounts.half_turn_error_percent)), false);
-            add(Kind::ElectricalTurn, 4.0 * step_mm, on_rotor(field(amounts.electrical_turn_error_percent)), false);
+            add(RippleKind::Detent, step_mm, on_rotor(amounts.detent_torque_nm * 1000.0 / radius_mm), false);
+            add(RippleKind::FullStep, step_mm, on_rotor(field(amounts.full_step_error_percent)), false);
+            add(RippleKind::HalfTurn, 2.0 * step_mm, on_rotor(field(amounts.half_turn_error_percent)), false);
+            add(
+                RippleKind::ElectricalTurn,
+                4.0 * step_mm,
+                on_rotor(field(amounts.electrical_turn_error_percent)),
+                false,
+            );
             let stretches = elastic.links.links.iter().map(|link| link.row.get(at).copied().unwrap_or(0.0));
             let stretches: Vec<f64> = stretches.map(|row| row * amounts.tooth_error_um / 1000.0).collect();
-            add(Kind::Tooth, TOOTH_MM, [pull(elastic, params, &stretches), none()], true);
+            add(RippleKind::Tooth, TOOTH_MM, [pull(elastic, params, &stretches), none()], true);
         }
         let stretches = eccentric(elastic, params, tool, index);
         let force = stretches.map(|stretches| {
             let stretches: Vec<f64> = stretches.iter().map(|e| e * amounts.pulley_eccentricity_um / 1000.0).collect();
             pull(elastic, params, &stretches)
         });
-        add(Kind::Pulley, TAU * radius_mm, force, true);
+        add(RippleKind::Pulley, TAU * radius_mm, force, true);
     }
     sources
 }

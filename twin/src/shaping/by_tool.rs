@@ -4,7 +4,7 @@
 //! frequency and at the ends of its uncertainty.
 
 use super::design::worst_residual;
-use super::shaper::{Impulse, Kind, impulses, residual};
+use super::shaper::{Impulse, ShaperKind, impulses, residual};
 use super::wall::{Lag, Print, Unshaped, WallError, net_rounding};
 use crate::math::powf;
 use serde::Serialize;
@@ -66,7 +66,7 @@ impl Machines {
 
     /// Frequency of a kind with the least error at the worst of them, as a line has it.
     #[must_use]
-    pub fn frequency_hz(&self, kind: Kind) -> f64 {
+    pub fn frequency_hz(&self, kind: ShaperKind) -> f64 {
         let (own, damping) = (&self.strongest, self.damping());
         let worst = |hz: f64| {
             let impulses = impulses(kind, hz, damping);
@@ -99,7 +99,7 @@ pub fn suggested(errors_um: &[f64]) -> Option<usize> {
 pub struct Ranked {
     /// Its kind.
     #[serde(rename = "type")]
-    pub kind: Kind,
+    pub kind: ShaperKind,
     /// Its frequency.
     #[serde(rename = "frequency_Hz")]
     pub frequency_hz: f64,
@@ -135,7 +135,7 @@ pub fn by_tool(nominal_hz: f64, band_hz: [f64; 2], damping_ratio: f64, print: &P
     let ends = band_hz.map(|hz| (&own[..], hz / nominal_hz));
     let machines = Machines::new(print, &own, ends).filter(|_| nominal_hz > 0.0)?;
     let damping = machines.damping();
-    let ranked = |kind: Kind| {
+    let ranked = |kind: ShaperKind| {
         let frequency_hz = machines.frequency_hz(kind);
         let impulses = impulses(kind, frequency_hz, damping);
         Ranked {
@@ -147,7 +147,7 @@ pub fn by_tool(nominal_hz: f64, band_hz: [f64; 2], damping_ratio: f64, print: &P
             worst_wall: machines.worst(&impulses),
         }
     };
-    let shapers = Kind::ALL.map(ranked);
+    let shapers = ShaperKind::ALL.map(ranked);
     let suggestion = *shapers.get(suggested(&shapers.map(|s| s.worst_wall.rms_um))?)?;
     let unshaped_wall = machines.error(&[Impulse { amount: 1.0, time_s: 0.0 }]);
     Some(ByTool { print: *print, unshaped_wall, damping_ratio: damping, shapers: shapers.to_vec(), suggestion })
@@ -163,11 +163,11 @@ mod tests {
     fn the_shorter_shaper_is_suggested_although_it_leaves_more_ringing() {
         let print = Print { acceleration_mm_s2: 10_000.0, ..Print::default() };
         let found = by_tool(62.6, [62.6 * 0.95, 62.6 * 1.05], 0.042, &print).unwrap();
-        assert_eq!(found.suggestion.kind, Kind::Zv, "{found:?}");
-        let of = |kind: Kind| found.shapers.iter().find(|s| s.kind == kind).unwrap();
-        let ratio = of(Kind::Zv).wall.rms_um / of(Kind::Mzv).wall.rms_um;
+        assert_eq!(found.suggestion.kind, ShaperKind::Zv, "{found:?}");
+        let of = |kind: ShaperKind| found.shapers.iter().find(|s| s.kind == kind).unwrap();
+        let ratio = of(ShaperKind::Zv).wall.rms_um / of(ShaperKind::Mzv).wall.rms_um;
         assert!((ratio / (4.3 / 9.2) - 1.0).abs() < 0.25, "{ratio}");
-        assert!(of(Kind::Zv).net_rounding_a_per_w2 < of(Kind::Mzv).net_rounding_a_per_w2);
+        assert!(of(ShaperKind::Zv).net_rounding_a_per_w2 < of(ShaperKind::Mzv).net_rounding_a_per_w2);
         assert!(found.shapers.iter().all(|s| s.wall.rms_um < found.unshaped_wall.rms_um));
         assert_eq!(by_tool(0.0, [0.0; 2], 0.04, &print), None);
     }

@@ -3,7 +3,7 @@
 //! One shaper serves all places. Its frequency minimises the vibration at the worst place of the band. The suggested
 //! kind rounds least among those that leave no more than 5 %.
 
-use super::shaper::{Impulse, Kind, impulses, residual, smoothing_mm};
+use super::shaper::{Impulse, ShaperKind, impulses, residual, smoothing_mm};
 use serde::Serialize;
 
 /// Residual vibration allowed for a suggested shaper, of 1.
@@ -20,7 +20,7 @@ const STEPS: usize = 200;
 pub struct Design {
     /// Its kind.
     #[serde(rename = "type")]
-    pub kind: Kind,
+    pub kind: ShaperKind,
     /// Its frequency.
     #[serde(rename = "frequency_Hz")]
     pub frequency_hz: f64,
@@ -39,7 +39,7 @@ pub fn worst_residual(impulses: &[Impulse], [low, high]: [f64; 2], damping: f64)
 
 /// The best shaper of a kind for a band of frequencies in Hz.
 #[must_use]
-pub fn design(kind: Kind, band_hz: [f64; 2], damping: f64) -> Design {
+pub fn design(kind: ShaperKind, band_hz: [f64; 2], damping: f64) -> Design {
     let [low, high] = band_hz;
     let worst = |frequency: f64| worst_residual(&impulses(kind, frequency, damping), band_hz, damping);
     let best = |from: f64, to: f64| {
@@ -58,7 +58,7 @@ pub fn design(kind: Kind, band_hz: [f64; 2], damping: f64) -> Design {
 /// The best of every kind, and the suggested one.
 #[must_use]
 pub fn designs(band_hz: [f64; 2], damping: f64) -> (Vec<Design>, Option<Design>) {
-    let all: Vec<Design> = Kind::ALL.into_iter().map(|kind| design(kind, band_hz, damping)).collect();
+    let all: Vec<Design> = ShaperKind::ALL.into_iter().map(|kind| design(kind, band_hz, damping)).collect();
     let enough = all.iter().filter(|design| design.worst_residual <= TOLERABLE);
     let gentlest = enough.min_by(|a, b| a.smoothing_mm.total_cmp(&b.smoothing_mm));
     let calmest = || all.iter().min_by(|a, b| a.worst_residual.total_cmp(&b.worst_residual));
@@ -73,7 +73,7 @@ mod tests {
     /// Frequencies rise by 13.1 % along x and 14.3 % along y from the middle of a CoreH-bot; damping 0.05.
     #[test]
     fn a_band_leaves_what_was_computed_elsewhere() {
-        for (kind, x, y) in [(Kind::Zv, 0.090, 0.097), (Kind::Mzv, 0.053, 0.057)] {
+        for (kind, x, y) in [(ShaperKind::Zv, 0.090, 0.097), (ShaperKind::Mzv, 0.053, 0.057)] {
             for (band, known) in [(1.131, x), (1.143, y)] {
                 let found = design(kind, [60.0, 60.0 * band], 0.05);
                 assert!((found.worst_residual - known).abs() < 0.0015, "{found:?}");
@@ -85,9 +85,9 @@ mod tests {
     #[test]
     fn the_gentlest_that_is_good_enough_is_suggested() {
         let (all, suggested) = designs([60.0, 63.0], 0.05);
-        assert_eq!(all.len(), Kind::ALL.len());
-        assert_eq!(suggested.map(|design| design.kind), Some(Kind::Zv));
+        assert_eq!(all.len(), ShaperKind::ALL.len());
+        assert_eq!(suggested.map(|design| design.kind), Some(ShaperKind::Zv));
         let (_, wide) = designs([60.0, 90.0], 0.05);
-        assert!(wide.is_some_and(|design| design.kind == Kind::TwoHumpEi || design.kind == Kind::Ei));
+        assert!(wide.is_some_and(|design| design.kind == ShaperKind::TwoHumpEi || design.kind == ShaperKind::Ei));
     }
 }

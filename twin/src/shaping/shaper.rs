@@ -11,7 +11,7 @@ use std::f64::consts::{SQRT_2, TAU};
 /// A kind of input shaper.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
-pub enum Kind {
+pub enum ShaperKind {
     /// Zero vibration.
     Zv,
     /// Modified zero vibration.
@@ -28,7 +28,7 @@ pub enum Kind {
 /// Residual vibration of EI and 2HUMP_EI at their own frequency.
 const TOLERATED: f64 = 0.05;
 
-impl Kind {
+impl ShaperKind {
     /// All of them, the shortest first.
     pub const ALL: [Self; 5] = [Self::Zv, Self::Mzv, Self::Zvd, Self::Ei, Self::TwoHumpEi];
 
@@ -68,20 +68,20 @@ pub struct Impulse {
 
 /// The parts of a shaper for this frequency and damping.
 #[must_use]
-pub fn impulses(kind: Kind, frequency_hz: f64, damping: f64) -> Vec<Impulse> {
+pub fn impulses(kind: ShaperKind, frequency_hz: f64, damping: f64) -> Vec<Impulse> {
     let root = (1.0 - damping * damping).sqrt();
     let period = 1.0 / (frequency_hz * root);
     let decay = |part: f64| exp(-part * TAU * damping / root);
     let parts: Vec<(f64, f64)> = match kind {
-        Kind::Zv => vec![(1.0, 0.0), (decay(0.5), 0.5)],
-        Kind::Zvd => vec![(1.0, 0.0), (2.0 * decay(0.5), 0.5), (decay(1.0), 1.0)],
-        Kind::Mzv => {
+        ShaperKind::Zv => vec![(1.0, 0.0), (decay(0.5), 0.5)],
+        ShaperKind::Zvd => vec![(1.0, 0.0), (2.0 * decay(0.5), 0.5), (decay(1.0), 1.0)],
+        ShaperKind::Mzv => {
             let ends = 1.0 - 1.0 / SQRT_2;
             vec![(ends, 0.0), ((SQRT_2 - 1.0) * decay(0.375), 0.375), (ends * decay(0.75), 0.75)]
         }
-        Kind::Ei => ei(damping),
+        ShaperKind::Ei => ei(damping),
         // Its times are in undamped periods.
-        Kind::TwoHumpEi => two_hump(damping).into_iter().map(|(a, t)| (a, t * root)).collect(),
+        ShaperKind::TwoHumpEi => two_hump(damping).into_iter().map(|(a, t)| (a, t * root)).collect(),
     };
     let sum: f64 = parts.iter().map(|(amount, _)| amount).sum();
     parts.into_iter().map(|(amount, t)| Impulse { amount: amount / sum, time_s: t * period }).collect()
@@ -157,12 +157,12 @@ mod tests {
     /// At 60 Hz and a damping of 0.05, from the literature: amounts, and times in ms.
     #[test]
     fn impulses_are_those_of_the_literature() {
-        let known: [(Kind, &[f64], &[f64]); 5] = [
-            (Kind::Zv, &[0.53924, 0.46076], &[0.0, 8.3438]),
-            (Kind::Zvd, &[0.29078, 0.49692, 0.21230], &[0.0, 8.3438, 16.6875]),
-            (Kind::Mzv, &[0.32822, 0.41253, 0.25925], &[0.0, 6.2578, 12.5157]),
-            (Kind::Ei, &[0.30688, 0.46746, 0.22566], &[0.0, 8.3788, 16.6875]),
-            (Kind::TwoHumpEi, &[0.20430, 0.35523, 0.30830, 0.13217], &[0.0, 8.4408, 16.7289, 24.9013]),
+        let known: [(ShaperKind, &[f64], &[f64]); 5] = [
+            (ShaperKind::Zv, &[0.53924, 0.46076], &[0.0, 8.3438]),
+            (ShaperKind::Zvd, &[0.29078, 0.49692, 0.21230], &[0.0, 8.3438, 16.6875]),
+            (ShaperKind::Mzv, &[0.32822, 0.41253, 0.25925], &[0.0, 6.2578, 12.5157]),
+            (ShaperKind::Ei, &[0.30688, 0.46746, 0.22566], &[0.0, 8.3788, 16.6875]),
+            (ShaperKind::TwoHumpEi, &[0.20430, 0.35523, 0.30830, 0.13217], &[0.0, 8.4408, 16.7289, 24.9013]),
         ];
         for (kind, amounts, times) in known {
             let found = impulses(kind, 60.0, 0.05);
@@ -176,7 +176,7 @@ mod tests {
 
     #[test]
     fn a_shaper_that_is_off_by_5_percent_leaves_as_much_as_is_known() {
-        for (kind, known) in [(Kind::Zv, 0.07643), (Kind::Mzv, 0.04883), (Kind::Ei, 0.04427)] {
+        for (kind, known) in [(ShaperKind::Zv, 0.07643), (ShaperKind::Mzv, 0.04883), (ShaperKind::Ei, 0.04427)] {
             let left = residual(&impulses(kind, 66.0, 0.03933), 62.587, 0.03933);
             assert!((left / known - 1.0).abs() < 0.01, "{kind:?}: {left}");
         }
@@ -185,8 +185,8 @@ mod tests {
     #[test]
     fn longer_shapers_round_more() {
         let smoothing = |kind| smoothing_mm(&impulses(kind, 60.0, 0.05));
-        assert!(smoothing(Kind::Zv) < smoothing(Kind::Mzv));
-        assert!(smoothing(Kind::Mzv) < smoothing(Kind::Ei));
-        assert!(smoothing(Kind::Ei) < smoothing(Kind::TwoHumpEi));
+        assert!(smoothing(ShaperKind::Zv) < smoothing(ShaperKind::Mzv));
+        assert!(smoothing(ShaperKind::Mzv) < smoothing(ShaperKind::Ei));
+        assert!(smoothing(ShaperKind::Ei) < smoothing(ShaperKind::TwoHumpEi));
     }
 }

@@ -308,7 +308,7 @@ impl State {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shaping::shaper::{Kind, impulses};
+    use crate::shaping::shaper::{ShaperKind, impulses};
 
     fn mode(frequency_hz: f64, damping_ratio: f64) -> Lag {
         Lag { frequency_hz, damping_ratio, part: 1.0 }
@@ -319,8 +319,8 @@ mod tests {
     fn most_of_the_rounding_cancels() {
         let modes = [mode(60.0, 1e-6)];
         for (i, known, tolerance) in [(0, 0.2337, 1e-3), (1, 0.6262, 1e-3), (3, 1.59, 0.02)] {
-            let net = net_rounding(&impulses(Kind::ALL[i], 60.0, 1e-6), &modes);
-            assert!((net - known).abs() < tolerance, "{}: {net}", Kind::ALL[i].name());
+            let net = net_rounding(&impulses(ShaperKind::ALL[i], 60.0, 1e-6), &modes);
+            assert!((net - known).abs() < tolerance, "{}: {net}", ShaperKind::ALL[i].name());
         }
     }
 
@@ -360,7 +360,7 @@ mod tests {
             axes.iter_mut().for_each(|axis| *axis = axis[axis.len() / 4..axis.len() / 2].to_vec());
         }
         let [_, (_, [x, y])] = &machine.parts;
-        for shaper in [Kind::Zv, Kind::Mzv, Kind::Ei] {
+        for shaper in [ShaperKind::Zv, ShaperKind::Mzv, ShaperKind::Ei] {
             let impulses = impulses(shaper, 60.0, 0.05);
             let place =
                 |axis: &[f64]| impulses.iter().map(|i| i.amount * at(axis, 500.0 - i.time_s / STEP_S)).sum::<f64>();
@@ -375,8 +375,8 @@ mod tests {
         let modes = [mode(50.0, 0.05)];
         let unshaped = Unshaped::new(&Print::default(), &modes, 1.0);
         let none = unshaped.error(&[Impulse { amount: 1.0, time_s: 0.0 }]);
-        let right = unshaped.error(&impulses(Kind::Zv, 50.0, 0.05));
-        let wrong = unshaped.error(&impulses(Kind::Zv, 80.0, 0.05));
+        let right = unshaped.error(&impulses(ShaperKind::Zv, 50.0, 0.05));
+        let wrong = unshaped.error(&impulses(ShaperKind::Zv, 80.0, 0.05));
         assert!(right.rms_um < 0.3 * none.rms_um && right.rms_um < wrong.rms_um, "{none:?} {right:?} {wrong:?}");
     }
 }

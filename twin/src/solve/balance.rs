@@ -6,7 +6,7 @@
 
 use super::NotHeld;
 use crate::model::coordinate::Coordinate;
-use crate::model::elastic::{Elastic, Part};
+use crate::model::elastic::{Elastic, ElasticPart};
 use crate::params::Params;
 use nalgebra::{DMatrix, DVector};
 
@@ -50,7 +50,7 @@ pub fn balance(
     for (number, sent) in sent_mm {
         let Some(at) = elastic.links.index(Coordinate::Motor(*number)) else { continue };
         match elastic.parts.get(at) {
-            Some(Part::Held) => moved[at] = *sent,
+            Some(ElasticPart::Held) => moved[at] = *sent,
             _ => force[at] += elastic.held_by.get(at).copied().unwrap_or(0.0) * sent,
         }
     }
@@ -82,7 +82,8 @@ pub fn settle(elastic: &Elastic, params: &Params, stretched_mm: &[f64]) -> Resul
 /// # Errors
 /// Nothing holds the machine.
 pub fn settled(elastic: &Elastic, force: &DVector<f64>) -> Result<DVector<f64>, NotHeld> {
-    let free: Vec<usize> = (0..elastic.parts.len()).filter(|i| elastic.parts.get(*i) != Some(&Part::Held)).collect();
+    let free: Vec<usize> =
+        (0..elastic.parts.len()).filter(|i| elastic.parts.get(*i) != Some(&ElasticPart::Held)).collect();
     let pull = DVector::from_iterator(free.len(), free.iter().map(|i| force[*i]));
     let gives = submatrix(&elastic.stiffness, &free, &free).cholesky().ok_or(NotHeld)?.solve(&pull);
     let mut moved = DVector::zeros(elastic.parts.len());
@@ -108,7 +109,7 @@ fn torques(elastic: &Elastic, params: &Params, tensions_n: &[f64]) -> Vec<f64> {
 /// # Errors
 /// Nothing holds the others.
 pub fn condensed(elastic: &Elastic, kept: &[usize]) -> Result<DMatrix<f64>, NotHeld> {
-    let gives = |i: &usize| elastic.parts.get(*i) != Some(&Part::Held) && !kept.contains(i);
+    let gives = |i: &usize| elastic.parts.get(*i) != Some(&ElasticPart::Held) && !kept.contains(i);
     let others: Vec<usize> = (0..elastic.parts.len()).filter(gives).collect();
     let own = submatrix(&elastic.stiffness, kept, kept);
     if others.is_empty() {

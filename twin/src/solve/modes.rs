@@ -7,7 +7,7 @@ use super::NotHeld;
 use super::balance::{condensed, submatrix};
 use crate::math::powi;
 use crate::model::coordinate::Coordinate;
-use crate::model::elastic::{Elastic, Part};
+use crate::model::elastic::{Elastic, ElasticPart};
 use std::f64::consts::TAU;
 
 /// A natural vibration without damping.
@@ -94,7 +94,7 @@ const MM_PER_M: f64 = 1000.0;
 /// # Errors
 /// Nothing holds the machine.
 pub fn modes(elastic: &Elastic) -> Result<Vec<Mode>, NotHeld> {
-    let moving = elastic.with_part(Part::Moves);
+    let moving = elastic.with_part(ElasticPart::Moves);
     let stiffness = condensed(elastic, &moving)?;
     let mass = submatrix(&elastic.mass, &moving, &moving);
     let damping = submatrix(&elastic.damping, &moving, &moving);

@@ -12,7 +12,7 @@ use corehbot::motion::{self, StepCounts};
 use corehbot::port::{AnyBoard, Coupling, MotorPower, MotorSet, NoAccelerometer, NoBus, NoServo, NoStorage, Wake};
 use corehbot::thermal::{self, PERIOD_MS};
 use corehbot_cortex_m4::Handover;
-use corehbot_rig::heat::Heat;
+use corehbot_rig::thermal_plant::Heat;
 use corehbot_stepgen::generate;
 use cortex_m::peripheral::{NVIC, Peripherals, SCB};
 use embassy_executor::InterruptExecutor;

@@ -33,7 +33,7 @@ use corehbot::settings::Settings;
 use corehbot::status::Status;
 use corehbot_rig::Rig;
 use corehbot_rig::bed::BedPlant;
-use corehbot_rig::heat::Heat;
+use corehbot_rig::thermal_plant::Heat;
 use defmt_semihosting as _;
 use semihosting::process;
 use static_cell::{ConstStaticCell, StaticCell};

@@ -23,10 +23,10 @@ impl Registers {
         Self { values, answers: VecDeque::new(), dead: None, written: Vec::new(), readings: 0, identity }
     }
 
-    fn of(kind: Kind) -> Self {
+    fn of(kind: SensorKind) -> Self {
         match kind {
-            Kind::Adxl345 => Self::new(0x00, 0xE5),
-            Kind::Lis2dw12 => Self::new(0x0F, 0x44),
+            SensorKind::Adxl345 => Self::new(0x00, 0xE5),
+            SensorKind::Lis2dw12 => Self::new(0x0F, 0x44),
         }
     }
 }
@@ -52,15 +52,15 @@ impl Wire for Registers {
 
 #[test]
 fn registers_are_set_as_the_data_sheets_have_them() {
-    let mut adxl = Registers::of(Kind::Adxl345);
-    assert_eq!(start(Kind::Adxl345, 3200, &mut adxl), Ok(()));
+    let mut adxl = Registers::of(SensorKind::Adxl345);
+    assert_eq!(start(SensorKind::Adxl345, 3200, &mut adxl), Ok(()));
     // POWER_CTL, DATA_FORMAT, FIFO_CTL, BW_RATE, FIFO_CTL, POWER_CTL.
     assert_eq!(adxl.written, [[0x2D, 0], [0x31, 0x0B], [0x38, 0], [0x2C, 0x0F], [0x38, 0x90], [0x2D, 8]]);
-    let mut lis = Registers::of(Kind::Lis2dw12);
-    assert_eq!(start(Kind::Lis2dw12, 3200, &mut lis), Ok(()));
+    let mut lis = Registers::of(SensorKind::Lis2dw12);
+    assert_eq!(start(SensorKind::Lis2dw12, 3200, &mut lis), Ok(()));
     // CTRL1, CTRL2, CTRL6, FIFO_CTRL twice, CTRL1.
     assert_eq!(lis.written, [[0x20, 0], [0x21, 6], [0x25, 0x34], [0x2E, 0], [0x2E, 0xC0], [0x20, 0x94]]);
-    for (kind, mut wire, off) in [(Kind::Adxl345, adxl, [0x2D, 0]), (Kind::Lis2dw12, lis, [0x20, 0])] {
+    for (kind, mut wire, off) in [(SensorKind::Adxl345, adxl, [0x2D, 0]), (SensorKind::Lis2dw12, lis, [0x20, 0])] {
         stop(kind, &mut wire);
         assert_eq!(wire.written.last(), Some(&off));
     }
@@ -73,9 +73,9 @@ fn the_next_rate_is_taken() {
         start(kind, rate, &mut wire).unwrap();
         wire.values[register]
     };
-    let adxl = [3200, 2500, 2300, 1600, 1000, 800, 400].map(|rate| code(Kind::Adxl345, rate, 0x2C));
+    let adxl = [3200, 2500, 2300, 1600, 1000, 800, 400].map(|rate| code(SensorKind::Adxl345, rate, 0x2C));
     assert_eq!(adxl, [0x0F, 0x0F, 0x0E, 0x0E, 0x0D, 0x0D, 0x0C]);
-    let lis = [3200, 1600, 1000, 800, 400].map(|rate| code(Kind::Lis2dw12, rate, 0x20));
+    let lis = [3200, 1600, 1000, 800, 400].map(|rate| code(SensorKind::Lis2dw12, rate, 0x20));
     assert_eq!(lis, [0x94, 0x94, 0x84, 0x84, 0x74]);
 }
 
@@ -83,21 +83,23 @@ fn the_next_rate_is_taken() {
 #[test]
 fn a_wrong_identity_is_named_unless_it_passes() {
     for id in [0x00, 0xFF, 0x72, 0xF2, 0x79] {
-        let mut wire = Registers::of(Kind::Adxl345);
+        let mut wire = Registers::of(SensorKind::Adxl345);
         // The reading that does not count, and two that do.
         wire.answers = [id; 3].into();
-        assert_eq!(start(Kind::Adxl345, 3200, &mut wire), Ok(()), "{id:#x}");
+        assert_eq!(start(SensorKind::Adxl345, 3200, &mut wire), Ok(()), "{id:#x}");
         assert_eq!(wire.readings, 4);
         let mut wire = Registers::new(0x00, id);
-        assert_eq!(start(Kind::Adxl345, 3200, &mut wire), Err(SensorFault::WrongId(id)));
+        assert_eq!(start(SensorKind::Adxl345, 3200, &mut wire), Err(SensorFault::WrongId(id)));
         assert_eq!((wire.readings, wire.written.len()), (4, 0), "nothing is written to a stranger");
     }
-    assert_eq!(start(Kind::Lis2dw12, 1600, &mut Registers::new(0x0F, 0x33)), Err(SensorFault::WrongId(0x33)));
+    assert_eq!(start(SensorKind::Lis2dw12, 1600, &mut Registers::new(0x0F, 0x33)), Err(SensorFault::WrongId(0x33)));
 }
 
 #[test]
 fn a_register_that_keeps_nothing_is_found() {
-    for (kind, registers) in [(Kind::Adxl345, [0x31, 0x38, 0x2C, 0x2D]), (Kind::Lis2dw12, [0x21, 0x25, 0x2E, 0x20])] {
+    for (kind, registers) in
+        [(SensorKind::Adxl345, [0x31, 0x38, 0x2C, 0x2D]), (SensorKind::Lis2dw12, [0x21, 0x25, 0x2E, 0x20])]
+    {
         for register in registers {
             let mut wire = Registers { dead: Some(register), ..Registers::of(kind) };
             assert_eq!(start(kind, 1600, &mut wire), Err(SensorFault::Register), "{register:#x}");
@@ -110,16 +112,16 @@ fn a_register_that_keeps_nothing_is_found() {
 #[test]
 fn samples_are_those_of_the_bytes() {
     let of = |kind, raw| scaled(kind, raw).axes;
-    assert_eq!(of(Kind::Adxl345, [i16::from_le_bytes([0x34, 0x01]); 3]), [11_399, 11_399, 11_798]);
-    assert_eq!(of(Kind::Adxl345, [i16::from_le_bytes([0xCC, 0xFE]); 3]), [-11_399, -11_399, -11_798]);
-    assert_eq!(of(Kind::Lis2dw12, [0x1000, -0x1000, 0]), [19_602, -19_602, 0]);
+    assert_eq!(of(SensorKind::Adxl345, [i16::from_le_bytes([0x34, 0x01]); 3]), [11_399, 11_399, 11_798]);
+    assert_eq!(of(SensorKind::Adxl345, [i16::from_le_bytes([0xCC, 0xFE]); 3]), [-11_399, -11_399, -11_798]);
+    assert_eq!(of(SensorKind::Lis2dw12, [0x1000, -0x1000, 0]), [19_602, -19_602, 0]);
     for raw in [-4096, -257, -1, 0, 1, 1000, 4095_i16] {
-        let [x, y, z] = of(Kind::Adxl345, [raw; 3]);
+        let [x, y, z] = of(SensorKind::Adxl345, [raw; 3]);
         let exact = |mg: f64| f64::from(raw) * mg / 1000.0 * 9806.65;
         assert!(x == y && (f64::from(x) - exact(3.774)).abs() < 0.9 && (f64::from(z) - exact(3.906)).abs() < 0.9);
     }
     for raw in [i16::MIN, -4, 4, 0x7FFC] {
-        let [x, ..] = of(Kind::Lis2dw12, [raw; 3]);
+        let [x, ..] = of(SensorKind::Lis2dw12, [raw; 3]);
         assert!((f64::from(x) - f64::from(raw) * 4.785_645).abs() < 0.6);
     }
 }
@@ -139,7 +141,7 @@ const FETCH: Option<Transfer> = Some(Transfer { command: 0xF2, length: 9 });
 
 #[test]
 fn all_that_waits_is_fetched_and_then_it_rests() {
-    let mut reader = Reader::new(Kind::Adxl345);
+    let mut reader = Reader::new(SensorKind::Adxl345);
     assert_eq!(reader.on_timer(), Ok(ASK));
     assert_eq!(reader.on_timer(), Ok(None), "the answer is still on its way");
     assert_eq!(reader.on_transfer(&status(2)), Ok((None, FETCH)));
@@ -149,7 +151,7 @@ fn all_that_waits_is_fetched_and_then_it_rests() {
     assert_eq!(reader.on_transfer(&adxl([7, 8, 9])), Ok((None, None)), "nothing was asked for");
     assert_eq!(reader.on_timer(), Ok(ASK));
     assert_eq!(reader.on_transfer(&status(0)), Ok((None, None)));
-    let mut lis = Reader::new(Kind::Lis2dw12);
+    let mut lis = Reader::new(SensorKind::Lis2dw12);
     assert_eq!(lis.on_timer(), Ok(Some(Transfer { command: 0xAF, length: 2 })));
     // Its threshold is zero, so bit 7 stands.
     assert_eq!(lis.on_transfer(&status(0x81)), Ok((None, Some(Transfer { command: 0xA8, length: 7 }))));
@@ -159,18 +161,18 @@ fn all_that_waits_is_fetched_and_then_it_rests() {
 #[test]
 fn lost_samples_and_a_line_that_nobody_drives_are_told() {
     for (kind, value, fault) in [
-        (Kind::Adxl345, 32, SensorFault::Overflow),
-        (Kind::Adxl345, 33, SensorFault::Overflow),
-        (Kind::Lis2dw12, 0xC1, SensorFault::Overflow),
-        (Kind::Lis2dw12, 0x60, SensorFault::Overflow),
-        (Kind::Adxl345, 0xFF, SensorFault::Silent),
-        (Kind::Lis2dw12, 0xFF, SensorFault::Silent),
+        (SensorKind::Adxl345, 32, SensorFault::Overflow),
+        (SensorKind::Adxl345, 33, SensorFault::Overflow),
+        (SensorKind::Lis2dw12, 0xC1, SensorFault::Overflow),
+        (SensorKind::Lis2dw12, 0x60, SensorFault::Overflow),
+        (SensorKind::Adxl345, 0xFF, SensorFault::Silent),
+        (SensorKind::Lis2dw12, 0xFF, SensorFault::Silent),
     ] {
         let mut reader = Reader::new(kind);
         reader.on_timer().unwrap();
         assert_eq!(reader.on_transfer(&status(value)), Err(fault), "{kind:?} {value:#x}");
     }
-    let mut full = Reader::new(Kind::Adxl345);
+    let mut full = Reader::new(SensorKind::Adxl345);
     full.on_timer().unwrap();
     assert_eq!(full.on_transfer(&status(31)), Ok((None, FETCH)));
 }
@@ -179,7 +181,7 @@ fn lost_samples_and_a_line_that_nobody_drives_are_told() {
 #[test]
 fn a_sensor_that_stops_is_silent() {
     for answers in [true, false] {
-        let mut reader = Reader::new(Kind::Adxl345);
+        let mut reader = Reader::new(SensorKind::Adxl345);
         let mut events = 0;
         while reader.on_timer().is_ok() {
             events += 1;
@@ -193,7 +195,7 @@ fn a_sensor_that_stops_is_silent() {
 
 /// The answers of a reader to samples, one a millisecond.
 fn answers(samples: impl IntoIterator<Item = Bytes>) -> Vec<Result<Raw, SensorFault>> {
-    let mut reader = Reader::new(Kind::Adxl345);
+    let mut reader = Reader::new(SensorKind::Adxl345);
     let mut answer = |bytes: Bytes| {
         reader.on_timer()?;
         reader.on_transfer(&status(1))?;

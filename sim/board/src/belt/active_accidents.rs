@@ -1,7 +1,7 @@
 //! ActiveAccidents: what accidents do to the machine in motion, and since when.
 
 use super::accident::{AccidentState, Accidents, Hit};
-use super::find::Part;
+use super::find::BrokenPart;
 use super::layout::{Layout, LayoutError};
 use crate::accident::Accident;
 use crate::accident::table::{Does, Wear};
@@ -215,8 +215,8 @@ fn effect_of(
     Ok(match wear {
         Wear::Rub => Effect::Rub(layout.motors_of(part)?, how),
         Wear::Seize => match layout.part(part)? {
-            Part::Motor(motor) => Effect::Rub(vec![motor], part.how.unwrap_or(STALLS_N)),
-            Part::Idlers(stops) => {
+            BrokenPart::Motor(motor) => Effect::Rub(vec![motor], part.how.unwrap_or(STALLS_N)),
+            BrokenPart::Idlers(stops) => {
                 let force_n = |stop| {
                     let slides_n = || seized_idler_n(layout.machine, &layout.params, start, stop);
                     part.how.unwrap_or_else(slides_n)

@@ -8,7 +8,7 @@ use corehbot_twin::stepped_machine::failing::idlers_of;
 
 /// A part of the belts, as an accident names it.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Part {
+pub(super) enum BrokenPart {
     /// A motor, by its place among the machine's.
     Motor(usize),
     /// Idlers of one number, by the indices of their stops.
@@ -41,12 +41,12 @@ impl Layout {
     ///
     /// # Errors
     /// There is no such part.
-    pub(super) fn part(&self, accident: &Accident) -> Result<Part, LayoutError> {
+    pub(super) fn part(&self, accident: &Accident) -> Result<BrokenPart, LayoutError> {
         let named = self.drives.iter().position(|drive| drive.name.as_str() == accident.name);
         let number = || accident.name.parse::<u8>().ok().filter(|number| *number > 0);
         let numbered = || self.machine.motors().iter().position(|motor| Some(*motor) == number());
         if let Some(motor) = named.or_else(numbered) {
-            return Ok(Part::Motor(motor));
+            return Ok(BrokenPart::Motor(motor));
         }
         let stops = number().map_or_else(Vec::new, |number| idlers_of(self.machine, number));
         if stops.is_empty() {
@@ -55,7 +55,7 @@ impl Layout {
             idlers.dedup();
             return Err(LayoutError::NoPart(accident.text.clone(), accident.name.clone(), self.names(), idlers));
         }
-        Ok(Part::Idlers(stops))
+        Ok(BrokenPart::Idlers(stops))
     }
 
     /// The same for an accident that only a motor can have.
@@ -65,8 +65,8 @@ impl Layout {
     pub(super) fn motor_part(&self, accident: &Accident) -> Result<usize, LayoutError> {
         let missing = || LayoutError::NoPart(accident.text.clone(), accident.name.clone(), self.names(), Vec::new());
         match self.part(accident) {
-            Ok(Part::Motor(motor)) => Ok(motor),
-            Ok(Part::Idlers(_)) | Err(_) => Err(missing()),
+            Ok(BrokenPart::Motor(motor)) => Ok(motor),
+            Ok(BrokenPart::Idlers(_)) | Err(_) => Err(missing()),
         }
     }
 

@@ -16,7 +16,7 @@ const LINES: usize = 200;
 
 /// What a line is that is not an `ok`, an error or an action.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Kind {
+pub(super) enum ReplyKind {
     /// A part of the answer to a command.
     Answer,
     /// Trouble.
@@ -59,7 +59,7 @@ const EXPECTED: [&str; 27] = [
     "one mode only",
 ];
 
-impl Kind {
+impl ReplyKind {
     /// The kind of a reply to this command.
     pub(super) fn of(reply: &str, command: &str) -> Self {
         let is_code = |number: f64| words(command).next() == Some(('M', Some(number)));
@@ -118,7 +118,7 @@ mod tests {
 
     #[test]
     fn a_reply_is_an_answer_or_a_warning_by_its_words_and_its_command() {
-        use Kind::{Answer, Plain, Warning};
+        use ReplyKind::{Answer, Plain, Warning};
         for (command, reply, kind) in [
             ("M503", "echo:  M92 X80 Y80 Z800 E400", Answer),
             ("M119", "x_min: open", Answer),
@@ -133,7 +133,7 @@ mod tests {
             ("M122", "echo:fault: none", Answer),
             ("M122", "echo:fault: the hotend is too hot", Warning),
         ] {
-            assert_eq!(Kind::of(reply, command), kind, "{command}: {reply}");
+            assert_eq!(ReplyKind::of(reply, command), kind, "{command}: {reply}");
         }
     }
 

@@ -161,7 +161,7 @@ fn plant(
         table("bed", bed),
         bed_chamber,
     );
-    let mut without = corehbot_rig::heat::constants(thermal);
+    let mut without = corehbot_rig::thermal_plant::constants(thermal);
     without.chamber = thermal.heaters.chamber.is_fitted.then(ChamberConstants::usual);
     truth::read(&file, without).unwrap()
 }

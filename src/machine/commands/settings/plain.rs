@@ -8,7 +8,7 @@ use crate::machine::answers::setting::Setting;
 use crate::machine::commands::states::States;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
-use crate::machine::main_loop::z_offset::use_home_offsets;
+use crate::machine::main_loop::offsets::use_home_offsets;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::modal::Modal;

@@ -3,7 +3,7 @@
 
 use super::{Answer, MainLoop, OwnCommand, OwnEntry, PortSet, States, Wake};
 use crate::gcode::{Grammar, Nature};
-use crate::machine::main_loop::z_offset::use_home_offsets;
+use crate::machine::main_loop::offsets::use_home_offsets;
 use crate::settings::{AxisEnd, HomedAxis, Range};
 use crate::units::Mm;
 

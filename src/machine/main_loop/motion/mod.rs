@@ -14,7 +14,7 @@
 //! | this one | positions, the grouping of motors, the queue |
 //! | [`look_ahead`] | moves into the look-ahead |
 //! | [`hand_on`] | moves out of it, a part of every turn |
-//! | [`z_offset`] | steps that z stands aside of its path, live |
+//! | [`babystep`] | steps that z stands aside of its path, live |
 //!
 //! | word | means |
 //! |---|---|
@@ -22,9 +22,9 @@
 //! | queued | moves that have left it and are not stepped yet |
 //! | final, dry, underrun, share, gathering | see `release` |
 
+mod babystep;
 pub(super) mod hand_on;
 mod look_ahead;
-mod z_offset;
 
 use crate::kinematics::{Grouping, Groupings, Groups};
 use crate::machine::release::policy::ReleasePolicy;
@@ -36,7 +36,7 @@ use crate::port::Wake;
 use crate::settings::{AxisSettings, Settings};
 use crate::surface::{Heights, Mesh};
 use crate::units::{Instant, Mm, Seconds, Steps, SubTicks, TICKS_PER_MS};
-use z_offset::Babystep;
+use babystep::Babystep;
 
 /// The motion, from the look-ahead to the counts of steps.
 pub(in crate::machine) struct Motion<'m, W: Wake> {

@@ -6,8 +6,8 @@ use corehbot::connectors::Heater;
 use corehbot::thermal::PERIOD_MS;
 use corehbot::units::{Celsius, TICKS_PER_MS, TICKS_PER_SECOND};
 use corehbot_rig::bed::probe::ProbeFault;
-use corehbot_rig::heat::Heat;
 use corehbot_rig::plant::Plant;
+use corehbot_rig::thermal_plant::Heat;
 
 impl World<'_> {
     /// A control period passes, if one is due.

@@ -4,7 +4,7 @@ use core::sync::atomic::{AtomicI32, AtomicU8, AtomicU32, Ordering::Acquire, Orde
 
 /// Orders for the offset, and how far they are carried out.
 #[derive(Debug)]
-pub struct ZOffset {
+pub struct ZOffsetOrders {
     /// Written by the Console; by the StepGenerator for a change that is made again.
     ordered: AtomicI32,
     /// Limits of a change, as bits of numbers: steps a tick, steps a tick squared; written by the Console.
@@ -27,7 +27,7 @@ pub struct ZOffset {
     again_by: AtomicI32,
 }
 
-impl ZOffset {
+impl ZOffsetOrders {
     pub(super) const fn new() -> Self {
         Self {
             ordered: AtomicI32::new(0),
