@@ -416,7 +416,8 @@ places! {
     choices:
         HomedAxis(HomedAxis), AxisEnd(AxisEnd), OnFailure(OnFailure), Tachometer(Tachometer), ShaperKind(ShaperKind),
         ProbeKind(ProbeKind), Alignment(Alignment), Control(Control), FanRole(FanRole), SensorAxis(SensorAxis),
-        Accelerometer(Option<crate::accelerometer::SensorKind>), Output(Output), Sensor(Sensor), SensorSource(SensorSource);
+        Accelerometer(Option<crate::accelerometer::SensorKind>), Output(Output), Sensor(Sensor),
+        SensorSource(SensorSource);
     numbers:
         U8(u8), U16(u16), U32(u32), I16(i16), Switch(bool), Mm(Mm), MmPerSec(MmPerSec), MmPerSec2(MmPerSec2),
         StepsPerMm(StepsPerMm), Hertz(Hertz), Seconds(Seconds), Ratio(Ratio), Celsius(Celsius), Watts(Watts),

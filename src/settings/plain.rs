@@ -1,4 +1,5 @@
-//! Plain settings: those of rows with a [`SettingLine`], by the M-code that sets them; and the conditions of some codes.
+//! Plain settings: those of rows with a [`SettingLine`], by the M-code that sets them. And the conditions of some
+//! codes.
 
 use super::Settings;
 use super::line::SettingLine;

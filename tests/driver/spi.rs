@@ -1,6 +1,6 @@
 //! A chip of another kind, on SPI: the room needs nothing of the TMC2209.
 //!
-//! Its frames are a TMC5160's (datasheet rev 1.17, section 4.1): an address and 32 bits, and a value comes with the next
+//! Its frames are a TMC5160's (datasheet rev 1.17, section 4.1): an address and 32 bits. A value comes with the next
 //! frame. It counts no writes, so its scripts read everything back.
 
 use corehbot::driver::{Check, Chip, DriverError, DriverJob, Drivers, Held, News, Reading, Scripts, Shown, Step};
