@@ -31,6 +31,7 @@
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), deny(clippy::disallowed_methods))]
 
+mod amplified;
 pub mod configuration_h;
 mod error;
 pub mod file_kind;

@@ -245,16 +245,11 @@ impl Cause {
         }
     }
 
-    /// Whether its value and limit are degrees.
-    const fn is_of_degrees(self) -> bool {
+    /// The side of its limit that was left, if its value and limit are degrees.
+    const fn limit(self) -> Option<Limit> {
         match self {
-            Self::TooCold
-            | Self::TooHot
-            | Self::HeatsTooSlowly
-            | Self::TemperatureLost
-            | Self::HeatsWhileOff
-            | Self::Overshoot
-            | Self::SelfTest => true,
+            Self::TooHot | Self::HeatsWhileOff | Self::Overshoot => Some(Limit::AtMost),
+            Self::TooCold | Self::HeatsTooSlowly | Self::TemperatureLost | Self::SelfTest => Some(Limit::AtLeast),
             Self::SensorOpen
             | Self::SensorShort
             | Self::SensorFlickers
@@ -272,7 +267,25 @@ impl Cause {
             | Self::Watchdog
             | Self::Supply
             | Self::Driver
-            | Self::InterruptStorm => false,
+            | Self::InterruptStorm => None,
+        }
+    }
+}
+
+/// A limit in degrees.
+#[derive(Clone, Copy)]
+enum Limit {
+    /// The value had to stay below it.
+    AtMost,
+    /// The value had to reach it.
+    AtLeast,
+}
+
+impl Limit {
+    const fn words(self) -> Packed {
+        match self {
+            Self::AtMost => packed!("at most"),
+            Self::AtLeast => packed!("at least"),
         }
     }
 }
@@ -325,12 +338,12 @@ impl core::fmt::Display for Fault {
             Subject::Other => {}
         }
         write!(f, "{}", self.cause.text())?;
-        if self.cause.is_of_degrees() {
+        if let Some(side) = self.cause.limit() {
             let tenths = |bits: i32| (i64::from(bits) * 10) >> Celsius::FRAC_NBITS;
             let (value, limit) = (tenths(self.value), tenths(self.limit));
             let sign = |tenths: i64| if tenths < 0 { "-" } else { "" };
-            let [a, b] = [value.unsigned_abs(), limit.unsigned_abs()];
-            put!(f, " ({}{}.{} C, limit {}{}.{} C)", sign(value), a / 10, a % 10, sign(limit), b / 10, b % 10)?;
+            let ([a, b], side) = ([value.unsigned_abs(), limit.unsigned_abs()], side.words());
+            put!(f, " ({}{}.{} C, {side} {}{}.{} C)", sign(value), a / 10, a % 10, sign(limit), b / 10, b % 10)?;
         } else if subject == Subject::Other && (self.value != 0 || self.limit != 0) {
             write!(f, " ({:#x}, {:#x})", self.value, self.limit)?;
         }

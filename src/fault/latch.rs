@@ -90,7 +90,7 @@ mod tests {
         assert_eq!((latch.is_set(), latch.fault(), latch.more()), (true, Some(first), 1));
         assert_eq!(
             std::format!("{first}"),
-            "hotend: hotter than it may get (MAXTEMP) (300.0 C, limit 290.0 C) [E04]: unplug the heater if it stays hot; check its switch and the sensor's kind (thermistor)"
+            "hotend: hotter than it may get (MAXTEMP) (300.0 C, at most 290.0 C) [E04]: unplug the heater if it stays hot; check its switch and the sensor's kind (thermistor)"
         );
     }
 }

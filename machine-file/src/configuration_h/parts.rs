@@ -128,6 +128,8 @@ fn heat(look: &mut Look<'_, '_, '_>) {
                 look.work.take(entry, &path, value);
                 look.work.say(entry, Kind::Taken, name);
             }
+            // Marlin's numbers of amplifiers are below 0 (`Configuration.h`).
+            None if number < 0.0 => look.work.say(entry, Kind::Decide, crate::amplified::advice(&path)),
             None => look.work.say(entry, Kind::Decide, format!("not there yet: write a sensor near it into {path}")),
         }
         if let Some((entry, most)) = look.number(most) {

@@ -1,6 +1,7 @@
 //! Heat: heaters with their outputs and sensors.
 
 use super::work::Work;
+use crate::amplified;
 use crate::thermistor::{of_slope, points, through, written};
 use crate::translation::{Kind, Verdict};
 use corehbot::settings::{PLACES, Thermistor};
@@ -92,7 +93,12 @@ fn extra_sensors(work: &mut Work<'_>) {
             SENSORS.iter().any(|(known, _)| *known == kind) || config.section(&format!("thermistor {kind}")).is_some()
         });
         if work.pins.sensor(&pin).is_none() || !known {
-            let text = format!("no thermistor of a known kind at an input of the {}", work.pins.connectors.name);
+            let kind = work.value(&section, "sensor_type").map(|(_, kind)| kind);
+            let text = if kind.is_some_and(amplified::is_behind_a_chip) {
+                "no such sensor on this board".into()
+            } else {
+                format!("no thermistor of a known kind at an input of the {}", work.pins.connectors.name)
+            };
             work.say(entry, Kind::NotYet, text);
             continue;
         }
@@ -240,7 +246,11 @@ fn sensor_type(work: &mut Work<'_>, path: &str, section: &str) -> bool {
             true
         }
         None => {
-            let text = format!("not there yet: write a sensor that comes near it into {path}");
+            let text = if amplified::is_behind_a_chip(name) {
+                amplified::advice(path)
+            } else {
+                format!("not there yet: write a sensor that comes near it into {path}")
+            };
             work.say(entry, Kind::Decide, text);
             false
         }

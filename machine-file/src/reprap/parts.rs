@@ -141,7 +141,11 @@ impl<'c> Parts<'c> {
             return take(work, word, &path, "pt1000".into());
         }
         if let Some(word) = kind.filter(|word| !word.value.eq_ignore_ascii_case("thermistor")) {
-            let text = format!("{} is not there yet: write a sensor near it into {path}", word.value);
+            let text = if crate::amplified::is_behind_a_chip(&word.value) {
+                crate::amplified::advice(&path)
+            } else {
+                format!("{} is not there yet: write a sensor near it into {path}", word.value)
+            };
             return say(work, word, Kind::Decide, &text);
         }
         let Some(ohms) = command.word('T') else { return };

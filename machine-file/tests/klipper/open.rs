@@ -78,6 +78,17 @@ fn what_could_break_a_machine_is_left_open() {
     assert!(is_machine(&old), "{:?}", done(&old).problems);
 }
 
+/// A thermistor that comes near a PT100 behind a converter does not exist.
+#[test]
+fn the_chip_of_a_pt100_is_told_to_be_on_no_board() {
+    for (kind, told) in [("MAX31865", true), ("MAX6675", true), ("Unheard of", false)] {
+        let head = "[extruder]\nheater_pin: PA2\nsensor_pin: PF4\n";
+        let done = of_text(&format!("{head}sensor_type: {kind}\n"));
+        let (_, said) = verdict(&done.report, "extruder", "sensor_type");
+        assert_eq!(said.contains("no such sensor on this board"), told, "{kind}: {said}");
+    }
+}
+
 /// A heater with the wrong sensor would heat to the wrong temperature.
 #[test]
 fn a_heater_without_a_known_sensor_is_not_fitted() {

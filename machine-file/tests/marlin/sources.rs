@@ -234,6 +234,17 @@ fn defines_that_are_used_or_taken_back_are_told_so() {
     assert_eq!(verdict(&off.report, "Configuration.h", "EXTRUDE_MAXLENGTH").0, NotNeeded);
 }
 
+/// A thermistor that comes near a thermocouple does not exist.
+#[test]
+fn the_chip_of_a_thermocouple_is_told_to_be_on_no_board() {
+    for (number, told) in [("-5", true), ("-2", true), ("999", false)] {
+        let text = format!("#define MOTHERBOARD 5\n#define TEMP_SENSOR_0 {number}\n");
+        let done = configuration_h::translate(&[("Configuration.h", &text)], Given::default());
+        let (kind, said) = verdict(&done.report, "Configuration.h", "TEMP_SENSOR_0");
+        assert_eq!((kind, said.contains("no such sensor on this board")), (Decide, told), "{number}: {said}");
+    }
+}
+
 /// A comment of Klipper begins as a define does.
 #[test]
 fn sections_are_no_source_of_marlin() {
