@@ -144,6 +144,38 @@ impl Cause {
         }
     }
 
+    /// Whether the heater's temperature is no longer known. A switch that sticks would then heat unseen.
+    #[must_use]
+    pub const fn hides_heat(self) -> bool {
+        match self {
+            Self::SensorOpen
+            | Self::SensorShort
+            | Self::TooCold
+            | Self::SensorFlickers
+            | Self::SensorFrozen
+            | Self::SensorsSwapped
+            | Self::HeatsTooSlowly
+            | Self::TemperatureLost
+            | Self::Reference
+            | Self::ConverterStopped => true,
+            Self::TooHot
+            | Self::HeatsWhileOff
+            | Self::Overshoot
+            | Self::FanFailed
+            | Self::SettingsDamaged
+            | Self::SelfTest
+            | Self::ContextHangs
+            | Self::Panic
+            | Self::HardFault
+            | Self::StackOverflow
+            | Self::ClockFailed
+            | Self::Watchdog
+            | Self::Supply
+            | Self::Driver
+            | Self::InterruptStorm => false,
+        }
+    }
+
     /// Its message.
     const fn text(self) -> Packed {
         match self {

@@ -57,8 +57,8 @@ pub struct ThermalControl<'m, H: ThermalPort, W: Wake> {
     reference: Reference,
     swapped: [[Swapped; HEATERS]; HEATERS],
     self_test: Option<SelfTest>,
-    /// A switch sticks: only the power supply ends it, and all fans run.
-    is_stuck: bool,
+    /// A switch sticks, or may do so unseen: only the power supply ends that, and all fans run.
+    has_cut_supply: bool,
     heartbeats: Heartbeats,
     /// Whether motors have power, and the remaining periods of the controller fan.
     has_motors: bool,
@@ -87,7 +87,7 @@ impl<'m, H: ThermalPort, W: Wake> ThermalControl<'m, H, W> {
             reference: Reference::new(),
             swapped: [[Swapped::new(); HEATERS]; HEATERS],
             self_test: None,
-            is_stuck: false,
+            has_cut_supply: false,
             heartbeats: Heartbeats::new(),
             has_motors: false,
             runs_on: 0,
@@ -254,7 +254,8 @@ impl<'m, H: ThermalPort, W: Wake> ThermalControl<'m, H, W> {
             found.add(heater, alarm);
         }
         if let Some(alarm) = self.port.reference().and_then(|sample| self.reference.look(sample)) {
-            found.add(Heater::Hotend, alarm);
+            let heated = Heater::ALL.into_iter().find(|heater| self.heaters[*heater as usize].has_heated());
+            found.add(heated.unwrap_or(Heater::Hotend), alarm);
         }
         self.status.heat().set_mcu(self.port.mcu());
         // Before the duties are put out, so that an alarm cuts the power in the same period.
@@ -339,12 +340,13 @@ impl<'m, H: ThermalPort, W: Wake> ThermalControl<'m, H, W> {
     }
 
     /// Handles an alarm: the first cause counts. A switch that sticks switches the power supply off, whatever came
-    /// first.
+    /// first. So does a lost sensor of a heater that has had power: its switch may stick, and nothing would show it.
     fn fail(&mut self, subject: u8, alarm: Alarm) {
         let Alarm { cause, value, limit } = alarm;
         self.status.fault().set(Fault { cause, subject, value: value.to_bits(), limit: limit.to_bits() });
-        if cause.is_stuck_on() {
-            self.is_stuck = true;
+        let has_heated = || self.heaters.get(usize::from(subject)).is_some_and(HeaterLoop::has_heated);
+        if cause.is_stuck_on() || cause.hides_heat() && has_heated() {
+            self.has_cut_supply = true;
             self.port.switch_supply(false);
         }
     }
@@ -365,7 +367,7 @@ impl<'m, H: ThermalPort, W: Wake> ThermalControl<'m, H, W> {
         let tuned = self.heaters[Heater::Hotend as usize].tuning().and_then(Tune::fan);
         let mut standing = None;
         self.part_fan = 0;
-        let needs = Needs { hotend: is_warm, controller: is_busy || self.runs_on > 0, all: self.is_stuck };
+        let needs = Needs { hotend: is_warm, controller: is_busy || self.runs_on > 0, all: self.has_cut_supply };
         for (place, (fan, is_part)) in self.fans.iter_mut().zip(self.parts).enumerate().take(self.port.fans()) {
             let forced = tuned.filter(|_| is_part);
             let duty = forced.map_or_else(|| fan.period(needs), |is_on| if is_on { u16::MAX } else { 0 });

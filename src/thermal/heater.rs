@@ -164,6 +164,11 @@ impl HeaterLoop {
         self.guards.is_settled()
     }
 
+    /// Whether it has had power since the start.
+    pub const fn has_heated(&self) -> bool {
+        self.guards.has_heated()
+    }
+
     /// Whether it has heated since the start, and some heat is still under way.
     pub const fn is_warming(&self) -> bool {
         self.guards.is_warming()

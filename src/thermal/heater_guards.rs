@@ -91,6 +91,11 @@ impl HeaterGuards {
         self.under_way.follow(is_powered, &settings.model, self.floor);
     }
 
+    /// Whether it has had power since the start.
+    pub const fn has_heated(&self) -> bool {
+        self.under_way.has_heated()
+    }
+
     /// Whether it has heated since the start, and some heat is still under way.
     pub const fn is_warming(&self) -> bool {
         self.under_way.has_heated() && !self.under_way.is_over()

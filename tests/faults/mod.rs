@@ -14,6 +14,7 @@ mod refusals;
 mod rest;
 mod self_test;
 mod sensors;
+mod supply;
 
 use crate::printer::{Printer, settings};
 use corehbot::connectors::{Heater, Output};
