@@ -16,6 +16,8 @@ pub enum Tuning {
     Cycle(u8),
     /// It is done, and the results can be read.
     Done,
+    /// It is done, but with the part fan the heater does not reach the target: the loss to the fan is unknown.
+    DoneWithoutFan,
     /// It failed.
     Failed(TuningFailure),
 }
@@ -40,7 +42,7 @@ impl TuningFailure {
 }
 
 /// Numbers of [`Tuning`] as one word: failures have four, cycles the following ones.
-const FIRST_FAILURE: u32 = 3;
+const FIRST_FAILURE: u32 = 4;
 const FIRST_CYCLE: u32 = FIRST_FAILURE + TuningFailure::ALL.len() as u32;
 
 /// Progress of a self-test. A failure is a fault.
@@ -250,6 +252,7 @@ impl Heat {
             0 => Tuning::None,
             1 => Tuning::Done,
             2 => Tuning::Cooling,
+            3 => Tuning::DoneWithoutFan,
             number => match TuningFailure::ALL.get((number - FIRST_FAILURE) as usize) {
                 Some(failure) => Tuning::Failed(*failure),
                 None => Tuning::Cycle((number - FIRST_CYCLE) as u8),
@@ -322,6 +325,7 @@ impl Heat {
             Tuning::None => 0,
             Tuning::Done => 1,
             Tuning::Cooling => 2,
+            Tuning::DoneWithoutFan => 3,
             Tuning::Failed(failure) => FIRST_FAILURE + failure as u32,
             Tuning::Cycle(cycles) => FIRST_CYCLE + u32::from(cycles),
         };

@@ -13,7 +13,8 @@ use corehbot_rig::plant::{HeaterFault, Plant, PlantConstants, SensorFault};
 fn tune(printer: &mut Printer, heater: Heater, target: i32) -> (Tuning, f64) {
     printer.order(Order::Tune(heater, Celsius::from_num(target), 5));
     let time = printer.run_until(7200.0, |printer| {
-        printer.fault().is_some() || matches!(printer.status.heat().tuning(), Tuning::Done | Tuning::Failed(_))
+        printer.fault().is_some()
+            || matches!(printer.status.heat().tuning(), Tuning::Done | Tuning::DoneWithoutFan | Tuning::Failed(_))
     });
     (printer.status.heat().tuning(), time.unwrap_or(7200.0))
 }
@@ -51,6 +52,27 @@ fn a_tuned_hotend_is_the_plant_and_heats_as_well() {
     let heated = heat_up(&mut Printer::new(&PlantConstants::prototype(), tuned), 215.0);
     println!("with the PID found: {heated:.2?}");
     assert!(heated.overshoot <= 3.0, "{heated:?}");
+}
+
+/// A strong fan on a weak heater: 24 minutes ended without any result.
+#[test]
+fn a_hotend_that_the_part_fan_keeps_below_its_target_is_tuned_without_the_fan() {
+    let mut weak = PlantConstants::prototype();
+    weak.hotend.heater.nominal_watt = 25.0;
+    weak.hotend.part_fan_watt_per_kelvin = 0.12;
+    let mut known = settings();
+    known.heater_mut(Heater::Hotend).power = Watts::from_num(25);
+    let mut printer = Printer::new(&weak, known);
+    printer.run(1.0);
+    let (tuning, time) = tune(&mut printer, Heater::Hotend, 215);
+    assert_eq!((printer.fault(), tuning), (None, Tuning::DoneWithoutFan));
+    assert!(time < 20.0 * 60.0, "{time} s");
+    let tuned = printer.status.heat().tuned();
+    let capacity = JoulesPerKelvin::from_bits(tuned.capacity).to_num::<f64>();
+    println!("{time:.0} s: {capacity:.2} J/K");
+    assert!((9.0..13.0).contains(&capacity) && tuned.fan_loss == 0, "{capacity} J/K");
+    printer.run(1.0);
+    assert_eq!(printer.bench.borrow().fans[0], 0.0, "the fan stands still again");
 }
 
 #[test]

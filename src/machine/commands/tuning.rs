@@ -119,6 +119,11 @@ async fn await_tuning<P: PortSet, W: Wake>(
         if status.heat().periods().wrapping_sub(begun) > 2 {
             match status.heat().tuning() {
                 Tuning::Done => return Ok(Ok(status.heat().tuned())),
+                Tuning::DoneWithoutFan => {
+                    main_loop
+                        .say(text!("echo:with the part fan it does not reach S; its loss to the fan stays as it was"));
+                    return Ok(Ok(status.heat().tuned()));
+                }
                 Tuning::Cooling => {
                     if !core::mem::replace(&mut is_cooling, true) {
                         main_loop.say(text!("echo:too hot to begin, it cools first; M108 ends this wait"));

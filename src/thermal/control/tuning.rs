@@ -19,11 +19,12 @@ impl<H: ThermalPort, W: Wake> ThermalControl<'_, H, W> {
         for heater in &mut self.heaters {
             let Some(tune) = heater.tuning() else { continue };
             let state = tune.state();
-            if let (Tuning::Done, Ok(tuned)) = (state, tune.find()) {
+            let is_done = matches!(state, Tuning::Done | Tuning::DoneWithoutFan);
+            if let (true, Ok(tuned)) = (is_done, tune.find()) {
                 self.status.heat().set_tuned(&tuned);
             }
             self.status.heat().set_tuning(state);
-            if matches!(state, Tuning::Done | Tuning::Failed(_)) {
+            if is_done || matches!(state, Tuning::Failed(_)) {
                 heater.set_target(Celsius::ZERO);
             }
         }

@@ -26,6 +26,8 @@
 //! way up to measure, and the slope half-way is the one of full power. No step uses the heater's model: cooling, rising
 //! and swinging must continue, and the result must be possible for a heater of its kind and power ([`Bounds`]).
 //!
+//! With the part fan a weak heater may not reach the target. Then the swings without the fan count alone.
+//!
 //! All guards stay on except those of a lost target and of the model.
 
 mod find;
@@ -259,10 +261,23 @@ impl Tune {
         } else if !self.is_on && measured < self.target.saturating_sub(HYSTERESIS) {
             // A swing ends where the power comes back.
             self.is_on = true;
+            (self.farthest, self.stalled) = (self.smooth, 0);
             self.end_swing();
+        } else if self.phase == Phase::Blown && self.is_on && self.is_out_of_reach() {
+            self.has_fan = false;
+            self.result = Some(self.find().map_or_else(Tuning::Failed, |_| Tuning::DoneWithoutFan));
         } else if self.periods > LONGEST {
             self.fail(TuningFailure::NoSwing);
         }
+    }
+
+    /// Whether full power has brought no further kelvin for too long.
+    fn is_out_of_reach(&mut self) -> bool {
+        self.stalled += 1;
+        if self.smooth.saturating_sub(self.farthest) >= Celsius::ONE {
+            (self.farthest, self.stalled) = (self.smooth, 0);
+        }
+        self.stalled > STALLED
     }
 
     fn end_swing(&mut self) {
