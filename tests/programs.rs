@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The packages whose tests are one program, and with these the core's second one.
-const PACKAGES: [&str; 4] = ["", "lab", "sim/board", "twin"];
+const PACKAGES: [&str; 8] = ["", "boards/registry", "cli", "lab", "machine-file", "resonance", "sim/board", "twin"];
 
 /// The files that a source file names as modules, by `mod NAME;`.
 fn modules_of(file: &Path) -> Vec<PathBuf> {
@@ -30,7 +30,7 @@ fn modules_of(file: &Path) -> Vec<PathBuf> {
 fn programs_of(package: &Path) -> Vec<PathBuf> {
     let manifest = fs::read_to_string(package.join("Cargo.toml")).unwrap();
     let paths = manifest.lines().filter_map(|line| line.strip_prefix("path = \"")?.strip_suffix('"'));
-    paths.map(|path| package.join(path).canonicalize().unwrap()).collect()
+    paths.filter(|path| path.starts_with("tests/")).map(|path| package.join(path).canonicalize().unwrap()).collect()
 }
 
 /// A file that no `mod` names, and a program that no manifest names, are not compiled: their tests would be silent.
@@ -42,10 +42,28 @@ fn every_file_of_a_test_program_is_a_part_of_it() {
         sources(&package.join("tests"), &mut files);
         parts.extend(programs_of(package));
     }
-    assert!(files.len() > 200 && parts.len() == 5, "{} files, {} programs", files.len(), parts.len());
+    assert!(files.len() > 200 && parts.len() == 9, "{} files, {} programs", files.len(), parts.len());
     parts.extend(files.iter().flat_map(|file| modules_of(file)));
     let lone: Vec<_> = files.iter().filter(|file| !parts.contains(&file.canonicalize().unwrap())).collect();
     assert!(lone.is_empty(), "no parts of a test program: {lone:?}");
+}
+
+/// Each further program is linked with the whole package once more, and begins when the one before it has ended.
+#[test]
+fn a_package_of_the_workspace_has_one_test_program() {
+    let manifest = fs::read_to_string("Cargo.toml").unwrap();
+    let members = manifest.lines().find_map(|line| line.strip_prefix("members = [")?.strip_suffix(']')).unwrap();
+    let packages: Vec<_> = members.split(", ").map(|member| Path::new(member.trim_matches('"'))).collect();
+    assert!(packages.len() > 20, "{packages:?}");
+    for package in packages {
+        let is_found = !fs::read_to_string(package.join("Cargo.toml")).unwrap().contains("\nautotests = false\n");
+        // Cargo takes each file there, and each folder with such a file, for a program.
+        let is_program =
+            |path: &PathBuf| path.extension().is_some_and(|rs| rs == "rs") || path.join("main.rs").exists();
+        let entries = fs::read_dir(package.join("tests")).into_iter().flatten().map(|entry| entry.unwrap().path());
+        let programs = if is_found { entries.filter(is_program).count() } else { programs_of(package).len() };
+        assert!(programs <= 1, "{} has {programs} test programs", package.display());
+    }
 }
 
 /// proptest looks for `tests/motion/corners.rs`' failures in `proptest-regressions/motion/corners.txt`, as `main.rs` is

@@ -1,11 +1,8 @@
 //! The first hour on the simulated printer: `corehbot bringup` at the port of `corehbot serve`, with mistakes of a
 //! builder, and an owner who sees what the plant does.
 #![cfg(unix)]
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-#[path = "bringup/bench.rs"]
 mod bench;
-#[path = "bringup/owner.rs"]
 mod owner;
 
 use bench::{Bench, ask, serve};

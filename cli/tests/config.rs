@@ -1,6 +1,4 @@
 //! `corehbot config` as a user sees it: a machine file is begun, checked, and described to editors.
-// Clippy sees no test in the helpers here.
-#![allow(clippy::unwrap_used, clippy::panic)]
 
 #[path = "common/json_schema.rs"]
 mod json_schema;

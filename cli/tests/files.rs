@@ -1,5 +1,4 @@
 //! Files of the `corehbot` command: inputs that are read or refused, and the files left when a run ends early.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};

@@ -1,6 +1,5 @@
 //! The arrows between the crates of the command. The rooms of the core have a test of their own, and so have the twin's
 //! rooms; circles of files in any crate are the core's `tests/layers.rs`.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 #[path = "../../tests/support/sources.rs"]
 mod sources;

@@ -1,7 +1,6 @@
 //! `config from --serial`: a scripted printer on a pseudo-terminal. It resets when its line is opened, and speaks text
 //! at its own rate only.
 #![cfg(unix)]
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use rustix::fs::{Mode, OFlags, fcntl_setfl, open};
 use rustix::io::{Errno, read, write};

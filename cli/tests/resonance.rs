@@ -1,5 +1,4 @@
 //! `corehbot resonance`: files of an accelerometer in, modes, shapers, belts and profiles out.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 #[path = "../../resonance/tests/plant/mod.rs"]
 mod plant;

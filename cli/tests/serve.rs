@@ -1,6 +1,5 @@
 //! The printer at a pseudo-terminal: the `corehbot serve` process and hosts that come and go.
 #![cfg(unix)]
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot_machine_file as machine_file;
 use corehbot_sim::host::FileHost;

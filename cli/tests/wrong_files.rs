@@ -1,5 +1,4 @@
 //! A file of another kind than the wanted one: every command says what it is, and what to do with it.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -1,14 +1,11 @@
 //! Dampers between motor and tool, and between tool and frame; vibration across the swept axis; spectra in files.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-mod plant;
-
+use crate::plant::{Plant, recording, shaken};
 use corehbot_resonance::axis::{Named, Question, judge, measure, measure_density};
 use corehbot_resonance::density;
 use corehbot_resonance::label::Axis;
 use corehbot_resonance::modes::{Modes, fit};
 use corehbot_resonance::sweep::Sweep;
-use plant::{Plant, recording, shaken};
 use std::fmt::Write as _;
 
 const RATE: f64 = 1600.0;

@@ -2,15 +2,12 @@
 //!
 //! The tool is a mass on a spring and a damper, and the motors' fields are off their places by known amounts once,
 //! twice and four times an electrical turn. It is integrated in time, so nothing here knows a response.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-mod plant;
-
+use crate::plant::{Noise, through_text};
 use corehbot_resonance::motors::{Drive, Motors, Repeat};
 use corehbot_resonance::profile::{Profile, profile};
 use corehbot_resonance::recording::Recording;
 use corehbot_resonance::run::{Run, run};
-use plant::{Noise, through_text};
 use std::f64::consts::{SQRT_2, TAU};
 
 const RATE_HZ: f64 = 1600.0;

@@ -1,14 +1,11 @@
 //! Plants with known modes: found modes, Klipper's choice, and the ranking by what the tool does.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-mod plant;
-
+use crate::plant::{Mode, recording, through_text};
 use corehbot_resonance::axis::{Axis, Named, Question, judge, measure};
 use corehbot_resonance::label;
 use corehbot_resonance::modes::{Modes, Unfitted, fit};
 use corehbot_resonance::sweep::Sweep;
 use corehbot_twin::shaping::shaper::residual;
-use plant::{Mode, recording, through_text};
 
 const RATE: f64 = 3200.0;
 

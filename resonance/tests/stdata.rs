@@ -1,5 +1,4 @@
 //! Files of Shake&Tune: several recordings in one, packed by zstd.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 use corehbot_resonance::label;
 use corehbot_resonance::recording::Flaw;

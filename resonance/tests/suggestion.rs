@@ -1,13 +1,10 @@
 //! The suggested line on random machines, by a law of its own: Klipper's, written again here, and the true response.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
-mod plant;
-
+use crate::plant::{Mode, Noise, Plant, shaken};
 use corehbot_resonance::axis::{Axis, Named, POOR_DB, Question, judge, measure};
 use corehbot_resonance::label;
 use corehbot_resonance::sweep::Sweep;
 use corehbot_twin::shaping::shaper::{Impulse, ShaperKind, impulses};
-use plant::{Mode, Noise, Plant, shaken};
 use std::f64::consts::{SQRT_2, TAU};
 
 /// Kinds of M593 among those that Klipper suggests, with the lowest frequency that it tries.

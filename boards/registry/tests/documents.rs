@@ -1,6 +1,5 @@
 //! Lists of boards in documents. They stand between `<!-- boards:KIND -->` and `<!-- /boards -->`; `BLESS=1` writes
 //! them.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 use corehbot::connectors::{BoardConnectors, ConnectorName, Output, OutputSet};
 use corehbot_boards::{Entry, all, entries};

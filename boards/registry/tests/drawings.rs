@@ -1,7 +1,6 @@
 //! A drawing of each board: its connectors, with pins and with the prototype's motors and switches. It is drawn from
 //! the board's table, and `BLESS=1` writes it. It does not show where a connector lies on the board, which no table
 //! has.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 use corehbot_boards::{Entry, entries};
 use corehbot_wiring::{Board, FanTimer, Pin, USB};

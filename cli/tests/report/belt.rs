@@ -1,6 +1,6 @@
 //! A page draws the torque shares and the residual of the belt plant.
 
-use crate::page;
+use super::page;
 
 #[test]
 fn shares_residual_and_skips_are_drawn_over_motion_time() {

@@ -1,6 +1,6 @@
 //! A page draws the heat of the plant.
 
-use crate::{page, scratch};
+use super::{page, scratch};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 

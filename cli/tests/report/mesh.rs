@@ -1,6 +1,6 @@
 //! A page and the JSON have the mesh that z followed, and its effect against the true bed.
 
-use crate::{page, scratch};
+use super::{page, scratch};
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};

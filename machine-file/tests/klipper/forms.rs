@@ -1,6 +1,7 @@
 //! Forms of configurations: lines, order, spelling, and any text.
 
-use super::{configurations, folder, read, translated, verdict};
+use super::{folder, read, translated, verdict};
+use crate::configurations;
 use corehbot_machine_file::klipper::translate;
 use proptest::prelude::*;
 

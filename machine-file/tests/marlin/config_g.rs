@@ -1,7 +1,7 @@
 //! RepRapFirmware's `config.g` as a machine file: a whole one, and lines one by one.
 
-use super::reports::verdict;
 use super::sources::{holds, value};
+use crate::reports::verdict;
 use corehbot_machine_file::Kind::{Approximated, Decide, NotNeeded, Taken};
 use corehbot_machine_file::marlin::Given;
 use corehbot_machine_file::{Translation, reprap};

@@ -1,7 +1,7 @@
 //! Defines of `Configuration.h` one by one, on a small Cartesian machine.
 
-use super::reports::verdict;
 use super::sources::{holds, value};
+use crate::reports::verdict;
 use corehbot_machine_file::Kind::{self, Approximated, Decide, NotNeeded, NotYet, Taken};
 use corehbot_machine_file::marlin::Given;
 use corehbot_machine_file::{Translation, configuration_h};

@@ -1,6 +1,7 @@
 //! Forms of reports: decoration, order, damage, and any text.
 
-use super::{LOGS, configurations, of_text, text, translated, verdict};
+use super::{LOGS, of_text, text, translated, verdict};
+use crate::configurations;
 use corehbot::settings::{AxisEnd, CornerRule, HomedAxis, Settings, ShaperKind};
 use corehbot_machine_file::Kind;
 use corehbot_machine_file::file_kind::text_of;

@@ -1,7 +1,7 @@
 //! Marlin's sources of settings as machine files, and any text as a source.
 
 use super::config_g::CONFIG_G;
-use super::reports::verdict;
+use crate::reports::verdict;
 use corehbot_machine_file::Kind::{Approximated, Decide, NotNeeded, Taken};
 use corehbot_machine_file::marlin::{Given, is_report};
 use corehbot_machine_file::{Kind, Translation, configuration_h, reprap};

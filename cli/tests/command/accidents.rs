@@ -1,6 +1,6 @@
 //! Accidents: one of each family in a print, every option that takes them, and the one list of their words.
 
-use crate::{heat_text, scratch, text};
+use super::{heat_text, scratch, text};
 use corehbot_sim::accident::{ROWS, words};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

@@ -1,19 +1,14 @@
 //! Configurations of Klipper, in all forms that its documentation has, as machine files.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "clippy does not see that the helpers here belong to tests")]
 
 mod checked;
-#[path = "../support/configurations.rs"]
-mod configurations;
 mod forms;
 mod open;
 mod proof;
-#[path = "../support/reports.rs"]
-mod reports;
 mod wanted;
 
+use crate::reports::{is_stored, verdict};
 use corehbot::settings::{CornerRule, Settings};
 use corehbot_machine_file::klipper::{Config, Files, Kind, Translation, matches, translate};
-use reports::{is_stored, verdict};
 use std::path::{Path, PathBuf};
 
 /// Texts by their names.

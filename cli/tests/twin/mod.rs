@@ -1,6 +1,4 @@
 //! `corehbot twin` as a user sees it: questions in, tables and JSON out, and the exit status.
-// Clippy sees no test in the helpers here.
-#![allow(clippy::unwrap_used)]
 
 mod asked;
 mod fitted;

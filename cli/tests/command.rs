@@ -1,10 +1,6 @@
 //! The `corehbot` command as a user sees it: files in, files out, and the exit status.
-// Clippy sees no test in the helpers here.
-#![allow(clippy::unwrap_used)]
 
-#[path = "cli/accidents.rs"]
 mod accidents;
-#[path = "cli/belt.rs"]
 mod belt;
 
 use corehbot::connectors::BoardConnectors;

@@ -1,5 +1,4 @@
 //! The report page: it draws the path where the tool was.
-#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
 
 mod belt;
 mod heat;

@@ -1,18 +1,13 @@
 //! Answers of printers with Marlin, in the forms of its three generations, as machine files.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "clippy does not see that the helpers here belong to tests")]
 
 mod config_g;
-#[path = "../support/configurations.rs"]
-mod configurations;
 mod defines;
 mod forms;
-#[path = "../support/reports.rs"]
-mod reports;
 mod sources;
 
+use crate::reports::{is_stored, verdict};
 use corehbot_machine_file::Translation;
 use corehbot_machine_file::marlin::{Given, Kinematics, translate};
-use reports::{is_stored, verdict};
 use std::path::{Path, PathBuf};
 
 fn folder() -> PathBuf {

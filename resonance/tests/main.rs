@@ -1,0 +1,9 @@
+//! Recordings of plants that are known, and the analyses of them.
+#![allow(clippy::unwrap_used, reason = "clippy does not see that the helpers here belong to tests")]
+
+mod dampings;
+mod motors;
+mod plant;
+mod plants;
+mod stdata;
+mod suggestion;
