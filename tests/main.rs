@@ -1,7 +1,4 @@
 //! The core through its public items, room by room, against models; and the documents against the code.
-//!
-//! A shared part is a module of its own, also where one folder has several of them. So an excerpt of the core, which
-//! `cargo xtask mutants` tests, takes only the parts that its tests use.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
 #[path = "support/actions.rs"]

@@ -55,7 +55,7 @@ enum Task {
     Equal(emulate::EqualArgs),
     /// Builds the image of a board and puts it there: by a debug probe, USB or SD card.
     Flash(flash::Args),
-    /// Puts faults into the core, one at a time, and counts the faults that its tests notice. Takes hours.
+    /// Puts faults into the core, one at a time, and counts the faults that its tests notice.
     Mutants(mutants::Args),
     /// Builds the page with the firmware inside: a folder of files that a browser opens.
     Page(page::Args),
