@@ -64,6 +64,9 @@ pub enum Cause {
     Driver = 24,
     /// An interrupt came so often that nothing below it ran; the subject is its number in the vector table.
     InterruptStorm = 25,
+    /// Cold, it reads otherwise than the other cold heater; the limit is what that one reads. No fault: it refuses to
+    /// heat.
+    SensorsDiffer = 26,
 }
 
 impl Cause {
@@ -100,7 +103,8 @@ impl Cause {
             Self::Watchdog => Some(Self::Supply),
             Self::Supply => Some(Self::Driver),
             Self::Driver => Some(Self::InterruptStorm),
-            Self::InterruptStorm => None,
+            Self::InterruptStorm => Some(Self::SensorsDiffer),
+            Self::SensorsDiffer => None,
         }
     }
 
@@ -140,7 +144,8 @@ impl Cause {
             | Self::Watchdog
             | Self::Supply
             | Self::Driver
-            | Self::InterruptStorm => false,
+            | Self::InterruptStorm
+            | Self::SensorsDiffer => false,
         }
     }
 
@@ -172,7 +177,8 @@ impl Cause {
             | Self::Watchdog
             | Self::Supply
             | Self::Driver
-            | Self::InterruptStorm => false,
+            | Self::InterruptStorm
+            | Self::SensorsDiffer => false,
         }
     }
 
@@ -204,6 +210,7 @@ impl Cause {
             Self::Supply => packed!("supply voltage fell"),
             Self::Driver => packed!("motor driver"),
             Self::InterruptStorm => packed!("came without end (interrupt storm), masked"),
+            Self::SensorsDiffer => packed!("cold, and reads otherwise than the other cold heater"),
         }
     }
 
@@ -232,6 +239,7 @@ impl Cause {
             Self::FanFailed => packed!("free the fan, or plug it in"),
             Self::Reference => packed!("measure the board's 3.3 V; no sensor's wire may touch 24 V"),
             Self::SelfTest => packed!("check which plug is where, set its power (M306 E# P), then SELF_TEST"),
+            Self::SensorsDiffer => packed!("set the kind of each sensor (thermistor), or let both get as warm"),
             Self::Supply => packed!("check the power supply and its wires"),
             Self::Driver => packed!("M122 tells which"),
             Self::ConverterStopped | Self::SettingsDamaged | Self::ClockFailed => {
@@ -260,7 +268,8 @@ impl Cause {
             | Self::TemperatureLost
             | Self::HeatsWhileOff
             | Self::Overshoot
-            | Self::SelfTest => Subject::Heater,
+            | Self::SelfTest
+            | Self::SensorsDiffer => Subject::Heater,
             Self::FanFailed => Subject::Fan,
             Self::Reference
             | Self::ConverterStopped
@@ -300,6 +309,7 @@ impl Cause {
             | Self::Supply
             | Self::Driver
             | Self::InterruptStorm => None,
+            Self::SensorsDiffer => Some(Limit::Other),
         }
     }
 }
@@ -311,6 +321,8 @@ enum Limit {
     AtMost,
     /// The value had to reach it.
     AtLeast,
+    /// It is the reading of the other one.
+    Other,
 }
 
 impl Limit {
@@ -318,6 +330,7 @@ impl Limit {
         match self {
             Self::AtMost => packed!("at most"),
             Self::AtLeast => packed!("at least"),
+            Self::Other => packed!("the other"),
         }
     }
 }
@@ -425,7 +438,7 @@ mod tests {
         let count = Cause::all().count() as u8;
         assert_eq!([Cause::of(0), Cause::of(count + 1)], [None; 2]);
         // Decoders know every variant, so `next` lacks no cause.
-        assert_eq!(postcard::from_bytes(&[count - 1]), Ok(Cause::InterruptStorm));
+        assert_eq!(postcard::from_bytes(&[count - 1]), Ok(Cause::SensorsDiffer));
         assert!(postcard::from_bytes::<Cause>(&[count]).is_err());
     }
 }

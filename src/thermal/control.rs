@@ -5,7 +5,7 @@ mod tuning;
 
 use super::fans::{Fan, Needs};
 use super::fixed_point::{PERIOD_MS, quotient, saturated, share};
-use super::guard::{Alarm, FanTurns, Reference, Swapped};
+use super::guard::{Alarm, Cold, FanTurns, Reference, Swapped};
 use super::heartbeats::{Context, Heartbeats};
 use super::heater::{Circumstances, HeaterLoop};
 use super::order::{Common, Order, OrdersIn};
@@ -56,6 +56,7 @@ pub struct ThermalControl<'m, H: ThermalPort, W: Wake> {
     common: Common,
     reference: Reference,
     swapped: [[Swapped; HEATERS]; HEATERS],
+    cold: Cold,
     self_test: Option<SelfTest>,
     /// A switch sticks, or may do so unseen: only the power supply ends that, and all fans run.
     has_cut_supply: bool,
@@ -86,6 +87,7 @@ impl<'m, H: ThermalPort, W: Wake> ThermalControl<'m, H, W> {
             common: Common::of(settings),
             reference: Reference::new(),
             swapped: [[Swapped::new(); HEATERS]; HEATERS],
+            cold: Cold::new(),
             self_test: None,
             has_cut_supply: false,
             heartbeats: Heartbeats::new(),
@@ -227,6 +229,7 @@ impl<'m, H: ThermalPort, W: Wake> ThermalControl<'m, H, W> {
         let of_hotend = self.circumstances();
         let of_others = Circumstances { filament: I8F24::ZERO, ahead: Ahead::default(), ..of_hotend };
         let warmed_to = Heater::ALL.map(|heater| self.warmed_to(heater));
+        let differs = self.compare_cold();
         let mut duties = [0; OUTPUTS];
         // First, because it says which heater has a pulse in this period.
         let mut found = Found(self.test().err());
@@ -239,7 +242,8 @@ impl<'m, H: ThermalPort, W: Wake> ThermalControl<'m, H, W> {
             let (output, sensor) = (settings.output, settings.sensor);
             let now = if heater == Heater::Hotend { of_hotend } else { of_others };
             let rests = heater == Heater::Bed && self.status.heat().bed_rests();
-            let now = Circumstances { warmed_to: warmed_to[heater as usize], rests, ..now };
+            let differs = differs && heater != Heater::Chamber;
+            let now = Circumstances { warmed_to: warmed_to[heater as usize], rests, differs, ..now };
             match looped.period(self.status.heat().sample(sensor), &now) {
                 Ok(duty) if self.port.outputs().has(output) => duties[output as usize] = duty,
                 // The board has no such output. The sensor's guards watch all the same.
@@ -299,6 +303,7 @@ impl<'m, H: ThermalPort, W: Wake> ThermalControl<'m, H, W> {
         Circumstances {
             warmed_to: Celsius::MIN,
             rests: false,
+            differs: false,
             fan,
             filament: I8F24::from_bits(saturated(filament.into())),
             ahead: Ahead { coming, then },
@@ -317,6 +322,13 @@ impl<'m, H: ThermalPort, W: Wake> ThermalControl<'m, H, W> {
             Heater::Chamber => reading(hotend).filter(|_| !hotend.is_settled()).max(reading(bed)),
         };
         near.unwrap_or(Celsius::MIN)
+    }
+
+    /// Whether hotend and bed are cold and read differently.
+    fn compare_cold(&mut self) -> bool {
+        let [hotend, bed, _] = &self.heaters;
+        let reading = |heater: &HeaterLoop| heater.measured().filter(|_| heater.settings().is_fitted);
+        self.cold.look(hotend.is_powered() || bed.is_powered(), [reading(hotend), reading(bed)])
     }
 
     /// Checks that each heater warms its own sensor.

@@ -29,6 +29,8 @@ pub struct Circumstances {
     pub warmed_to: Celsius,
     /// It gets no power for now: a touch of the probe is awaited.
     pub rests: bool,
+    /// Cold, it reads otherwise than the other cold heater.
+    pub differs: bool,
 }
 
 /// The ceiling: a heater gets no power this far above its target, whatever the model or the gains say.
@@ -243,7 +245,7 @@ impl HeaterLoop {
         };
         if let Some(measured) = good {
             let refused = self.window.look(self.settings.too_hot(), measured, self.is_off())?;
-            self.refuse(refused);
+            self.refuse(refused.or(now.differs.then_some(Cause::SensorsDiffer)));
         }
         // What was put out in the last period: a relay is on or off for whole periods, whatever duty was wanted.
         let power = self.power_at(self.given);

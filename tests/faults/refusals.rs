@@ -163,3 +163,57 @@ fn the_fan_of_a_hotend_runs_whose_reading_cannot_be_right() {
     printer.run(1.0);
     assert_eq!(printer.bench.borrow().fans[1], 1.0);
 }
+
+/// The printer in a room, with other thermistors than the settings name.
+fn with(hotend: Real, bed: Real, celsius: f64) -> Printer {
+    let mut constants = PlantConstants { ambient_celsius: celsius, ..constants() };
+    (constants.hotend.sensor.thermistor, constants.bed.sensor.thermistor) = (hotend, bed);
+    Printer::new(&constants, settings())
+}
+
+/// G8 of the guards' list: a file for an NTC of 100 kOhm, and another sensor.
+#[test]
+fn sensors_of_another_kind_are_found_by_a_comparison_while_all_is_cold() {
+    let (right, bed) = (constants().hotend.sensor.thermistor, constants().bed.sensor.thermistor);
+    let of = |ohm_at_25: f64| Real::Beta { ohm_at_25, beta: 4500.0 };
+    for celsius in [12.0, 22.0, 32.0] {
+        for (what, hotend, bed) in [
+            ("500 kOhm", of(500_000.0), bed),
+            ("10 kOhm", of(10_000.0), bed),
+            ("PT1000", Real::Platinum, bed),
+            ("bed of 10 kOhm", right, of(10_000.0)),
+        ] {
+            let mut printer = with(hotend, bed, celsius);
+            run_off(&mut printer, 90.0);
+            for heater in [Heater::Hotend, Heater::Bed] {
+                let told = ailment(&printer, heater);
+                let readings = [Heater::Hotend, Heater::Bed].map(|heater| printer.measured(heater));
+                assert!(told.is_some(), "{what} at {celsius} C: {heater:?}, {readings:.1?}");
+                printer.set(heater, 60.0);
+            }
+            run_off(&mut printer, 60.0);
+        }
+        let mut healthy = with(right, bed, celsius);
+        run_off(&mut healthy, 600.0);
+        assert_eq!([Heater::Hotend, Heater::Bed].map(|heater| ailment(&healthy, heater)), [None; 2]);
+    }
+}
+
+#[test]
+fn after_a_print_the_comparison_waits_an_hour_and_finds_nothing_on_a_healthy_printer() {
+    let mut printer = Printer::new(&constants(), settings());
+    printer.set(Heater::Hotend, 215.0);
+    printer.set(Heater::Bed, 60.0);
+    printer.run(600.0);
+    printer.order(Order::Off);
+    for _ in 0..80 {
+        printer.run(60.0);
+        assert_eq!(
+            (printer.fault(), ailment(&printer, Heater::Hotend), ailment(&printer, Heater::Bed)),
+            (None, None, None)
+        );
+    }
+    printer.set(Heater::Hotend, 215.0);
+    printer.run(60.0);
+    assert!(printer.hotend() > 100.0);
+}

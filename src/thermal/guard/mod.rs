@@ -11,6 +11,7 @@
 //! | [`Swapped`] | sensors or heaters that are swapped | while one of them heats |
 //! | [`FanTurns`] | a driven fan that does not turn | its connector has a tachometer; none yet (`fan_turns`) |
 //! | [`Reference`] | a converter with a wrong reference or order of channels | always |
+//! | [`Cold`] | a sensor of another kind than set; only refuses to heat | both are cold |
 //!
 //! A guard is fed once in a control period and returns a cause and two numbers, or nothing. Guards do not read the
 //! controller or its observer: a mistake in them must not hide a fault from a guard.
@@ -29,6 +30,7 @@
 //! | [`AtTarget`] | a target | another target, off, M303, a self-test, a fault |
 //! | [`WhileOff`] | the arrival of all heat | power |
 //! | [`Swapped`] | power from the cold, or alone | less than half of the power |
+//! | [`Cold`] | no power for hotend and bed | power of one, or no reading |
 //!
 //! `Gain` and `HeatBalance` survive a new target: otherwise a target that changes all the time would delay them. Only
 //! [`UnderWay`] knows how long heat is under way after the last power, and all guards ask it (`Seen::is_settled`).
@@ -47,6 +49,7 @@
 //! - a test in `tests/faults`, and a row in both tables of docs/explanation/safety.md.
 
 mod at_target;
+mod cold;
 mod episode;
 mod fan_turns;
 mod floor;
@@ -59,6 +62,7 @@ mod while_off;
 mod window;
 
 pub use at_target::AtTarget;
+pub use cold::Cold;
 pub use episode::Episode;
 pub use fan_turns::{FanTurns, turns_a_minute};
 pub use floor::{Floor, Gain};
