@@ -116,7 +116,8 @@ fn a_cut_at_any_byte_leaves_the_old_or_the_new() {
 }
 
 /// The first cut comes at every third byte, so at every place of a page of 32 bytes in each three pages; the test of
-/// one cut has all bytes. The second cut comes at every byte, over the first ones.
+/// one cut has all bytes. The second cut comes at every thirteenth byte, from another one for each first cut. So it comes
+/// at every byte, and with every kind of damage, over the first ones.
 #[test]
 fn a_cut_save_may_be_followed_by_another() {
     let fresh = Eeprom::with(&[variant(0), variant(1)]);
@@ -125,7 +126,7 @@ fn a_cut_save_may_be_followed_by_another() {
         let mut once = fresh.clone();
         let cut = PowerCut { left: first, torn: TORN[4], whole_page: first % 2 == 0 };
         let after_first = cut_save(&mut once, Some(variant(1)), &variant(2), cut);
-        for second in (first % 7..size_of_save(&once, &variant(3)).min(size)).step_by(7) {
+        for second in (first % 13..size_of_save(&once, &variant(3)).min(size)).step_by(13) {
             let mut twice = once.clone();
             let cut = PowerCut { left: second, torn: TORN[second % 6], whole_page: second % 2 == 0 };
             let after_second = cut_save(&mut twice, after_first, &variant(3), cut);

@@ -10,11 +10,11 @@ use crate::bundle;
 use crate::checkout::{self, root, target_dir};
 use crate::clients::venv::Venv;
 use crate::page;
+use crate::processor;
 use crate::verdict::Verdict;
 use anyhow::{Context as _, Result};
 use program::Programs;
 use std::process::Command;
-use std::time::Instant;
 
 /// The client of WebDriver, and what compares pictures.
 const CLIENT: Venv<'static> = Venv { name: "browser", packages: &["selenium==4.51.0", "pillow==13.0.0"], options: &[] };
@@ -58,20 +58,20 @@ pub fn check() -> Result<Verdict> {
     // Pictures that differ from their models stay here.
     let pictures = target_dir()?.join("browser");
     std::fs::create_dir_all(&pictures).with_context(|| format!("cannot make {}", pictures.display()))?;
-    let mut failures = Vec::new();
+    let (mut failures, mut times) = (Vec::new(), Vec::new());
     for trial in TRIALS {
         let mut command = Command::new(CLIENT.python()?);
         // No compiled files in the sources.
         command.arg("-B").arg(root().join(FOLDER).join(trial)).arg(&corehbot);
         command.env("PICTURES", &pictures).env("PAGE", &page).env("AXE", AXE.folder()?);
         programs.tell(&mut command);
-        let begin = Instant::now();
-        let output = command.output().with_context(|| format!("cannot run {}", checkout::words(&command)))?;
-        let seconds = begin.elapsed().as_secs_f64();
+        let (output, taken) = processor::timed(|| command.output());
+        let output = output.with_context(|| format!("cannot run {}", checkout::words(&command)))?;
+        times.push((trial.to_owned(), taken));
         let words = if output.status.success() { &output.stdout } else { &output.stderr };
         let words = String::from_utf8_lossy(words);
         if output.status.success() {
-            println!("{trial}: {} ({seconds:.1} s)", words.trim());
+            println!("{trial}: {} ({:.1} CPU-s)", words.trim(), taken.as_secs_f64());
         } else {
             println!("{trial}: FAILED: {}", words.trim());
             failures.push(trial);
@@ -94,5 +94,5 @@ pub fn check() -> Result<Verdict> {
     let failed = u32::try_from(failures.len())?;
     let passed = u32::try_from(done)? - failed;
     let remark = if failed > 0 { format!("fail: {}", failures.join(", ")) } else { programs.version };
-    Ok(Verdict::Tested { passed, failed, remark, times: Vec::new() })
+    Ok(Verdict::Tested { passed, failed, remark, times })
 }

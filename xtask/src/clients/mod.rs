@@ -7,6 +7,7 @@ pub mod venv;
 
 use crate::checkout::{self, root};
 use crate::compare::{beginning, sliced_file};
+use crate::processor;
 use crate::tools::{has_emulator, lack_of_emulator};
 use crate::verdict::Verdict;
 use anyhow::{Context as _, Result, bail};
@@ -124,7 +125,7 @@ pub fn check() -> Result<Verdict> {
     }
     let simulator = checkout::build_command()?;
     let mut remark = versions();
-    let mut failures = Vec::new();
+    let (mut failures, mut times) = (Vec::new(), Vec::new());
     let mut tests = 0;
     for trial in &TRIALS {
         let is_on_qemu = trial.board == Board::Qemu;
@@ -134,7 +135,9 @@ pub fn check() -> Result<Verdict> {
         }
         let name = format!("{} {}{}", trial.program, trial.line, if is_on_qemu { " in QEMU" } else { "" });
         tests += 1;
-        match trial.run(&simulator)? {
+        let (ran, taken) = processor::timed(|| trial.run(&simulator));
+        times.push((name.clone(), taken));
+        match ran? {
             Ok(words) => println!("{name}: {words}"),
             Err(words) => {
                 println!("{name}: FAILED: {words}");
@@ -146,7 +149,7 @@ pub fn check() -> Result<Verdict> {
     if failed > 0 {
         remark = format!("fail: {}", failures.join(", "));
     }
-    Ok(Verdict::Tested { passed: tests - failed, failed, remark, times: Vec::new() })
+    Ok(Verdict::Tested { passed: tests - failed, failed, remark, times })
 }
 
 impl Trial {

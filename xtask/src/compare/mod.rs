@@ -4,6 +4,7 @@ mod diff;
 mod side_by_side;
 
 use crate::checkout::{self, root, run};
+use crate::extent::is_all;
 use crate::images;
 use crate::qemu::{self, BOARD, Job};
 use crate::tools;
@@ -13,6 +14,7 @@ use corehbot::settings::Settings;
 use corehbot_machine_file as machine_file;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::time::Duration;
 
 /// A folder with sliced files, which may lie next to the checkout.
 const SLICED: &str = "../shared/gcode";
@@ -20,8 +22,8 @@ const SLICED: &str = "../shared/gcode";
 /// The sliced file that prints quickest.
 const QUICKEST: &str = "prusaslicer292_cubehelix_small.gcode";
 
-/// Number of lines that are printed: a quarter, which takes as long as all examples. `cargo xtask equal` prints a file
-/// whole.
+/// Number of lines that are printed: a quarter, which takes as long as all examples. `cargo xtask test --all` and `cargo
+/// xtask equal` print the whole.
 const LINES: usize = 2000;
 
 /// Machine files with which an example is printed here; `emulator/tests/machines.rs` prints it with them on the image
@@ -39,8 +41,8 @@ pub fn check() -> Result<Verdict> {
     let mut files = examples()?;
     let mut remark = format!("{} examples", files.len());
     if let Some(sliced) = sliced_file() {
-        files.push(beginning(&sliced, LINES)?);
-        remark += &format!(" and {LINES} lines of a sliced file");
+        files.push(beginning(&sliced, if is_all() { usize::MAX } else { LINES })?);
+        remark += &if is_all() { " and a sliced file".into() } else { format!(" and {LINES} lines of a sliced file") };
     } else {
         println!("skipped the sliced file: there is no {SLICED}/{QUICKEST}");
         remark += &format!("; no sliced file, as there is no {SLICED}");
@@ -52,12 +54,14 @@ pub fn check() -> Result<Verdict> {
     remark += &format!(", {} machine files", MACHINES.len());
     let tests = u32::try_from(files.len())?;
     let print = |(file, machine): &(PathBuf, Option<PathBuf>)| compare(&image, &simulator, file, machine.as_deref());
-    let failures = side_by_side::all(files, |(file, machine)| name(machine.as_ref().unwrap_or(file)), print);
+    let title =
+        |(file, machine): &(PathBuf, Option<PathBuf>)| format!("{} in QEMU", name(machine.as_ref().unwrap_or(file)));
+    let (failures, times) = side_by_side::all(files, title, print);
     let failed = u32::try_from(failures.len())?;
     if failed > 0 {
         remark = format!("differ: {}", failures.join(", "));
     }
-    Ok(Verdict::Tested { passed: tests - failed, failed, remark, times: Vec::new() })
+    Ok(Verdict::Tested { passed: tests - failed, failed, remark, times })
 }
 
 /// The first lines of a file, as a file of their own.
@@ -81,7 +85,7 @@ pub fn check_file(file: &Path, settings: Option<&Path>) -> Result<()> {
         bail!("{}", tools::lack_of_emulator());
     }
     let image = images::build_image(BOARD)?;
-    compare(&image, &checkout::build_command()?, file, settings)
+    compare(&image, &checkout::build_command()?, file, settings).map(|_| ())
 }
 
 /// The examples.
@@ -101,8 +105,8 @@ fn examples_folder() -> PathBuf {
     root().join("examples")
 }
 
-/// Prints one file on both and compares the traces.
-fn compare(image: &Path, simulator: &Path, file: &Path, settings: Option<&Path>) -> Result<()> {
+/// Prints one file on both and compares the traces. Returns the processors' time of QEMU.
+fn compare(image: &Path, simulator: &Path, file: &Path, settings: Option<&Path>) -> Result<Duration> {
     let stem = name(settings.unwrap_or(file));
     let folder = checkout::target_dir()?.join("qemu");
     std::fs::create_dir_all(&folder)?;
@@ -133,7 +137,7 @@ fn compare(image: &Path, simulator: &Path, file: &Path, settings: Option<&Path>)
         outcome.events,
         outcome.wall.as_secs_f64()
     );
-    Ok(())
+    Ok(outcome.taken)
 }
 
 fn name(file: &Path) -> String {

@@ -1,5 +1,6 @@
 //! The emulator: a QEMU process with a serial line to us.
 
+use crate::processor;
 use anyhow::{Context as _, Result, bail};
 use std::fs::File;
 use std::io::ErrorKind;
@@ -7,7 +8,7 @@ use std::net::{Ipv4Addr, TcpListener, TcpStream};
 #[cfg(unix)]
 use std::os::unix::process::CommandExt as _;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
@@ -65,18 +66,18 @@ impl Emulator {
         &mut self.line
     }
 
-    /// Waits for the end. The board brings it about if it was asked to; otherwise the wait is short. A failed end is an
-    /// error with the board's last output.
-    pub fn end(mut self, was_asked: bool) -> Result<()> {
+    /// Waits for the end, and returns the processors' time that the emulator took. The board brings the end about if it
+    /// was asked to; otherwise the wait is short. A failed end is an error with the board's last output.
+    pub fn end(mut self, was_asked: bool) -> Result<Duration> {
         let patience = if was_asked { PATIENCE } else { Duration::from_secs(1) };
-        let status = wait(&mut self.process, patience)?;
+        let (status, taken) = wait(&mut self.process, patience)?;
         let words = std::fs::read_to_string(&self.errors).unwrap_or_default();
         match status {
-            Some(status) if status.success() => Ok(()),
+            Some(status) if status.success() => Ok(taken),
             Some(status) => bail!("the board ended with {status}: {}", words.trim()),
             None if was_asked => bail!("the board does not end: {}", words.trim()),
             // A caller that did not ask reports an error of its own.
-            None => Ok(()),
+            None => Ok(taken),
         }
     }
 }
@@ -124,14 +125,16 @@ fn accept(listener: &TcpListener, guard: &mut Guard, errors: &Path) -> Result<Tc
     }
 }
 
-fn wait(process: &mut Child, patience: Duration) -> Result<Option<std::process::ExitStatus>> {
-    let begin = Instant::now();
+/// The status, if the process ends in time, and its processors' time when it was last seen.
+fn wait(process: &mut Child, patience: Duration) -> Result<(Option<ExitStatus>, Duration)> {
+    let (begin, mut taken) = (Instant::now(), Duration::ZERO);
     loop {
+        taken = processor::of_process(process.id()).unwrap_or(taken);
         if let Some(status) = process.try_wait()? {
-            return Ok(Some(status));
+            return Ok((Some(status), taken));
         }
         if begin.elapsed() > patience {
-            return Ok(None);
+            return Ok((None, taken));
         }
         sleep(Duration::from_millis(5));
     }

@@ -58,6 +58,8 @@ pub struct Outcome {
     pub warnings: Vec<String>,
     /// How long it took on this computer.
     pub wall: Duration,
+    /// The processors' time of the emulator.
+    pub taken: Duration,
 }
 
 impl Job {
@@ -117,7 +119,7 @@ impl Job {
         let mut emulator = Emulator::start(image, folder.path(), plugin)?;
         let talk = talk(emulator.line());
         // A board that panics hangs up; its last words say more than that.
-        emulator.end(talk.is_ok())?;
+        let taken = emulator.end(talk.is_ok())?;
         talk?;
         let mut outputs = Outputs::new([], Stop::default());
         let out = trace.map(|path| outputs.open(path)).transpose()?;
@@ -130,6 +132,7 @@ impl Job {
             log: log::decode(image, &folder.file("log"))?,
             warnings: Vec::new(),
             wall: begin.elapsed(),
+            taken,
         })
     }
 }

@@ -3,6 +3,7 @@
 use super::demand;
 use crate::checkout::root;
 use crate::images;
+use crate::processor;
 use crate::qemu::{BOARD, Job};
 use crate::tools::{has_emulator, lack_of_emulator};
 use crate::verdict::Verdict;
@@ -22,9 +23,11 @@ pub fn check() -> Result<Verdict> {
     }
     let image = images::build_image(BOARD)?;
     let mut passed = 0;
-    let mut failures = Vec::new();
+    let (mut failures, mut times) = (Vec::new(), Vec::new());
     for (name, text) in scripts(&root().join("tests/protocol")).context("cannot read the exchanges")? {
-        match follow(&image, &text) {
+        let (followed, taken) = processor::timed(|| follow(&image, &text));
+        times.push((format!("{name} in QEMU"), taken));
+        match followed {
             Ok(()) => passed += 1,
             Err(error) => {
                 println!("{name}: FAILED: {error:#}");
@@ -32,7 +35,9 @@ pub fn check() -> Result<Verdict> {
             }
         }
     }
-    let demand = match demand::check(&image) {
+    let (demand, taken) = processor::timed(|| demand::check(&image));
+    times.push(("the demand of a print in QEMU".to_owned(), taken));
+    let demand = match demand {
         Ok(words) => {
             passed += 1;
             words
@@ -45,7 +50,7 @@ pub fn check() -> Result<Verdict> {
     };
     let failed = u32::try_from(failures.len())?;
     let remark = if failed > 0 { format!("fail: {}", failures.join(", ")) } else { format!("exchanges; {demand}") };
-    Ok(Verdict::Tested { passed, failed, remark, times: Vec::new() })
+    Ok(Verdict::Tested { passed, failed, remark, times })
 }
 
 fn follow(image: &Path, text: &str) -> Result<()> {

@@ -1,9 +1,9 @@
 //! Lanes: rows of steps side by side, because much of the work keeps one processor busy: linking, the longest of
 //! some tests, a waiting client.
 //!
-//! All programs of this computer are built before the lanes begin, so no lane waits for another's cargo for long. Each
-//! further lane is a process of its own. Its output is kept in a file until the lane that began it has ended, and then
-//! shown as it comes.
+//! Images and the page are built in folders of their own, while this computer's programs are built in theirs. A lane
+//! that needs a program then waits for the cargo that builds it. Each further lane is a process of its own. Its output is
+//! kept in a file until the lane that began it has ended, and then shown as it comes.
 
 use super::Lane;
 use crate::checkout::target_dir;

@@ -11,16 +11,17 @@ mod exchanges;
 mod halt;
 mod lane;
 mod package;
-mod processor;
 mod size;
 mod slowest;
 
+use crate::extent::{ALL, is_all};
 use crate::verdict::{Times, Verdict};
-use crate::{bench, browser, clients, cluster, compare, tools, usb};
+use crate::{bench, browser, checkout, clients, cluster, compare, processor, tools, usb};
 use Lane::{Cable, Emulated, First, Host, Images, Last, Outside};
 use anyhow::{Context as _, Result, bail};
 use std::cmp::Reverse;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::time::{Duration, Instant};
 
 /// Which steps to run.
@@ -29,6 +30,9 @@ pub struct Args {
     /// Runs only the step of this name, after the tools that it may need.
     #[arg(long, value_name = "NAME", value_parser = STEPS.map(|step| step.name))]
     only: Option<String>,
+    /// Runs tests in full that otherwise try a part of their cases: whole sliced files in the simulator and in QEMU.
+    #[arg(long)]
+    all: bool,
     /// Runs only the steps of this lane, and leaves their results in a file.
     #[arg(long, hide = true, conflicts_with = "only", requires = "results")]
     lane: Option<Lane>,
@@ -50,7 +54,7 @@ struct Step {
 enum Lane {
     /// Before all others.
     First,
-    /// On this computer's own code.
+    /// On this computer's own code. Its first step builds the programs that the other lanes use.
     Host,
     /// With real hosts and browsers, in parallel with [`Lane::Host`]: they wait for much of their time.
     Outside,
@@ -89,7 +93,7 @@ const TOOLS: &str = "tools";
 const STEPS: [Step; 20] = [
     Step { name: TOOLS, lane: First, heading: "target, lints and emulator are there", run: tools::ensure },
     Step { name: "format", lane: First, heading: "rustfmt has nothing to change", run: cargo::format },
-    Step { name: "build", lane: First, heading: "programs and tests of this computer build", run: cargo::build },
+    Step { name: "build", lane: Host, heading: "programs and tests of this computer build", run: cargo::build },
     Step { name: "lint", lane: Host, heading: "clippy finds nothing", run: cargo::lint },
     Step { name: "doc", lane: Host, heading: "documentation builds without warnings", run: cargo::document },
     Step {
@@ -99,7 +103,7 @@ const STEPS: [Step; 20] = [
         run: package::check,
     },
     Step { name: "host", lane: Host, heading: "tests on this computer", run: cargo::test },
-    // Built in a folder of its own, while lints have the folder of this computer's programs.
+    // Built in a folder of its own, while this computer's programs are built in theirs.
     Step {
         name: "wasm",
         lane: Outside,
@@ -128,6 +132,11 @@ const STEPS: [Step; 20] = [
 
 /// Runs the steps; one that fails does not keep the others from running.
 pub fn main(args: &Args) -> Result<()> {
+    if args.all && !is_all() {
+        let mut again = Command::new(std::env::current_exe().context("cannot find this program's own path")?);
+        again.args(std::env::args_os().skip(1)).env(ALL, "1");
+        return checkout::run(again);
+    }
     let mut report = Report::default();
     if let Some(only) = &args.only {
         report.run(|step| step.name == only || step.name == TOOLS);

@@ -2,10 +2,11 @@
 //!
 //! The stable test harness tells no times. It runs each test in a thread of the test's name, of which Linux keeps 15
 //! bytes, and says when the test has ended. So a thread of that name that has gone by then was the test. Threads that a
-//! test begins get its 15 bytes too, and count for it. Those that outlive it, as rayon's do, have a line of their own.
+//! test begins get its 15 bytes too, and count for it, and so do the programs that it begins. Threads that outlive it, as
+//! rayon's do, have a line of their own.
 //! Two tests of the same 15 bytes that end between two looks count as one.
 
-use super::processor;
+use crate::processor;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -21,7 +22,8 @@ const KEPT: usize = 15;
 /// The running threads, by process and thread.
 type Threads = BTreeMap<(u32, u32), Thread>;
 
-/// A thread's name, as Linux keeps it, and the time that it has taken.
+/// A thread's name, as Linux keeps it, and the time that it has taken; or that a program of its has taken.
+#[derive(Clone)]
 struct Thread {
     name: String,
     taken: Duration,
@@ -102,15 +104,21 @@ fn children_of(parent: u32) -> Vec<u32> {
     numbers("/proc").into_iter().filter(is_child).collect()
 }
 
-/// The threads of a process besides its first, with their names and their time.
+/// The threads of a process besides its first, and the programs that they have begun, with their names and their time.
 fn threads_of(process: u32) -> Vec<((u32, u32), Thread)> {
     let folder = format!("/proc/{process}/task");
     let thread = |id: u32| {
         let stat = fs::read_to_string(format!("{folder}/{id}/stat")).ok()?;
         let name = stat.split_once('(')?.1.rsplit_once(')')?.0.to_owned();
-        Some(((process, id), Thread { name, taken: processor::of_thread(&stat)? }))
+        let programs = fs::read_to_string(format!("{folder}/{id}/children")).unwrap_or_default();
+        let program = |program: u32| {
+            Some(((process, program), Thread { name: name.clone(), taken: processor::of_process(program)? }))
+        };
+        let mut all: Vec<_> = programs.split_whitespace().flat_map(str::parse).filter_map(program).collect();
+        all.push(((process, id), Thread { taken: processor::of_thread(&stat)?, name }));
+        Some(all)
     };
-    numbers(&folder).into_iter().filter(|id| *id != process).filter_map(thread).collect()
+    numbers(&folder).into_iter().filter(|id| *id != process).filter_map(thread).flatten().collect()
 }
 
 /// The names in a folder that are numbers.
@@ -123,6 +131,7 @@ fn numbers(folder: &str) -> Vec<u32> {
 mod tests {
     use super::*;
     use std::path::Path;
+    use std::process::{Command, Stdio};
 
     fn threads(list: &[(u32, &str, u64)]) -> Threads {
         let thread = |name: &str, seconds| Thread { name: kept(name), taken: Duration::from_secs(seconds) };
@@ -169,11 +178,16 @@ mod tests {
     }
 
     #[test]
-    fn a_threads_time_is_read_from_the_system() {
+    fn times_of_a_thread_and_of_its_program_are_read_from_the_system() {
         let (this, folder) = (std::process::id(), Path::new("/proc/self/task"));
         if folder.exists() {
             let name = kept(std::thread::current().name().unwrap_or_default());
-            assert!(threads_of(this).into_iter().any(|(_, thread)| thread.name == name));
+            let mut program = Command::new("cat").stdin(Stdio::piped()).spawn().unwrap();
+            let threads = threads_of(this);
+            program.kill().unwrap();
+            program.wait().unwrap();
+            let of_this: Vec<_> = threads.iter().filter(|(_, thread)| thread.name == name).collect();
+            assert!(of_this.len() >= 2 && of_this.iter().any(|((_, id), _)| *id == program.id()));
         }
     }
 }

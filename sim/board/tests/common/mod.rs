@@ -1,6 +1,7 @@
 //! What several tests need.
 
 pub mod deaf;
+pub mod extent;
 pub mod heat_talk;
 pub mod heated;
 pub mod life;

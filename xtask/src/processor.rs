@@ -10,6 +10,18 @@ pub fn taken() -> Option<Duration> {
     read(&std::fs::read_to_string("/proc/self/stat").ok()?)
 }
 
+/// The same of another process.
+pub fn of_process(id: u32) -> Option<Duration> {
+    read(&std::fs::read_to_string(format!("/proc/{id}/stat")).ok()?)
+}
+
+/// Does some work of this process, and says how long it took.
+pub fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
+    let before = taken();
+    let done = work();
+    (done, taken().zip(before).map_or(Duration::ZERO, |(now, then)| now - then))
+}
+
 /// The sum of utime, stime, cutime and cstime, the fields 14 to 17 of `proc_pid_stat(5)`.
 fn read(stat: &str) -> Option<Duration> {
     sum(stat, 4)
