@@ -1,7 +1,7 @@
 //! Real sliced files, if their folder is next to the checkout: their moves along x or y step all four belt motors in
 //! the same events.
 
-use crate::common::extent::is_all;
+use crate::extent::is_all;
 use corehbot::motors::{MotorSet, prototype};
 use corehbot::settings::Settings;
 use corehbot::units::Mm;

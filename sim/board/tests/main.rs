@@ -24,6 +24,8 @@ mod drivers;
 mod eeprom_marlin;
 mod emergencies;
 mod every_setting;
+#[path = "../../../tests/support/extent.rs"]
+mod extent;
 mod fans;
 mod filament;
 mod first_layer;

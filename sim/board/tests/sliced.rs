@@ -1,7 +1,7 @@
 //! Real sliced files, if their folder is next to the checkout, print to their end, and again on the same printer. So do
 //! the examples and the prints of `cargo xtask clients`.
 
-use crate::common::extent::is_all;
+use crate::extent::is_all;
 use corehbot::connectors::Heater;
 use corehbot::motors::MotorSet;
 use corehbot::settings::Settings;

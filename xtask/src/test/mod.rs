@@ -30,7 +30,7 @@ pub struct Args {
     /// Runs only the step of this name, after the tools that it may need.
     #[arg(long, value_name = "NAME", value_parser = STEPS.map(|step| step.name))]
     only: Option<String>,
-    /// Runs tests in full that otherwise try a part of their cases: whole sliced files in the simulator and in QEMU.
+    /// Runs tests in full that otherwise try a part of their cases, such as whole sliced files.
     #[arg(long)]
     all: bool,
     /// Runs only the steps of this lane, and leaves their results in a file.

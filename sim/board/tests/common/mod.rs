@@ -1,7 +1,6 @@
 //! What several tests need.
 
 pub mod deaf;
-pub mod extent;
 pub mod heat_talk;
 pub mod heated;
 pub mod life;
