@@ -3,7 +3,8 @@
 //! Wall times differ from computer to computer; `cargo xtask bench` counts the cost of a line on the board.
 #![allow(clippy::panic, missing_docs, reason = "a measurement that fails has nothing to say")]
 
-use corehbot::gcode::{Command, MotionCommand, Number, parse};
+use corehbot::gcode::{Command, MoveCommand, Number};
+use corehbot::machine::parse;
 use corehbot::motion::{MoveMemory, Planner, Target};
 use corehbot::port::{EndstopSet, Received};
 use corehbot::protocol::{Incoming, Receiver};
@@ -79,7 +80,7 @@ fn planned(bencher: Bencher) {
         let mut memory = MoveMemory::new();
         let mut planner = Planner::new(&mut memory, &settings, [Mm::ZERO; 4]);
         receive(&lines, |text| {
-            let Command::Motion(MotionCommand::Line { to, .. }) = parse(text) else { panic!("a line is no move") };
+            let Command::Move(MoveCommand::Line { to, .. }) = parse(text) else { panic!("a line is no move") };
             let position = [mm(to.x), mm(to.y), mm(to.z), mm(to.e)];
             let speed = Feed::const_from_int(100);
             if !planner.has_room() && !planner.has_ready() {

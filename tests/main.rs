@@ -14,6 +14,7 @@ mod dice;
 mod driver;
 mod faults;
 mod gcode;
+mod gcode_words;
 mod golden_steps;
 mod keys;
 mod layers;

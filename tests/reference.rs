@@ -1,5 +1,5 @@
-//! The tables of docs/reference against the code. Those of codes are made from the rows of `gcode::commands`
-//! and `machine::commands::table` (`BLESS=1` writes them); every fault has a row.
+//! The tables of docs/reference against the code. Those of codes are made from the rows of the table of commands
+//! (`BLESS=1` writes them); every fault has a row.
 
 use corehbot::fault::{Cause, Fault};
 use corehbot::gcode::{Command, Flaw, Treatment};
@@ -25,7 +25,7 @@ fn treatment_of(code: &str) -> Option<Treatment> {
             Command::Silent | Command::Unknown(_) => Some(Treatment::Silent),
             _ => Some(Treatment::CarriedOut),
         },
-        Command::Refused(_) => Some(Treatment::Refused),
+        Command::Condition => Some(Treatment::Refused),
         _ => Some(Treatment::CarriedOut),
     }
 }
@@ -50,10 +50,13 @@ fn plain_row(number: u16) -> String {
     format!("| M{number} | {} | {}; or reports |\n", words.join(" "), meanings.collect::<Vec<_>>().join("; "))
 }
 
-/// The document with its tables made anew from the rows of `gcode::commands`, a table below each heading of a family.
+/// The document with its tables made anew from the rows of commands, a table below each heading of a family. Rows
+/// stand in the order of their codes: G, M, T, then names.
 fn with_tables(document: &str) -> String {
     let mut tables = BTreeMap::<&str, String>::new();
-    for line in described() {
+    let mut lines: Vec<_> = described().collect();
+    lines.sort_by_key(|line| (line.names.first().copied(), line.codes.0, line.codes.1.first().copied()));
+    for line in lines {
         let (_, heads) = heading_of(line.text.treatment);
         let table = tables
             .entry(line.family)

@@ -1,6 +1,7 @@
 //! The rows of all settings: each id once, each key once, each setting in one row.
 
-use corehbot::gcode::{Command, PlainWords, SettingCommand, parse};
+use corehbot::gcode::Command;
+use corehbot::machine::parse;
 use corehbot::settings::Settings;
 use corehbot::settings::plain::{CODES, CONDITIONS, Owner, condition, letters};
 use corehbot::settings::rows::{Field, Key, Value, ValueKind, Visitor};
@@ -137,8 +138,8 @@ fn a_code_with_a_condition_has_rows_and_letters_of_its_own() {
     for code in CODES {
         let is_plain = matches!(
             parse(format!("M{code}").as_bytes()),
-            Command::Setting(SettingCommand::Plain(PlainWords { code: read, .. })) if read == *code
+            Command::Table(command) if command.is('M', *code)
         );
-        assert!(is_plain, "M{code} has no row in src/gcode/commands");
+        assert!(is_plain, "M{code} has no row in the table of commands");
     }
 }

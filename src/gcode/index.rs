@@ -5,9 +5,9 @@
 //! (`get_target_extruder_from_command` and the `I`, `E` and `D` of its commands), RepRapFirmware 3 and
 //! Prusa-Firmware-Buddy. Left out with a reason:
 //!
-//! - P of M106 and M107: the machine knows its number of fans (`machine::commands::fans`).
-//! - I of M906 and M914: the machine knows the drivers of an axis (`machine::commands::drivers`).
-//! - E of M303 and M306: 0, -1 and -2 are hotend, bed and chamber (`machine::commands::heater_settings`). T of M306
+//! - P of M106 and M107: the machine knows its number of fans (`machine::heat::fans`).
+//! - I of M906 and M914: the machine knows the drivers of an axis (`machine::motors::drivers`).
+//! - E of M303 and M306: 0, -1 and -2 are hotend, bed and chamber (`machine::heat::heater_settings`). T of M306
 //!   requests a tuning, T of M204 and M205 is for travel.
 //! - Reports (M105 T, M114, M122 P): their result does not depend on their words.
 //! - Pauses (M600 T): a print that needs its user waits, for any tool.
@@ -119,90 +119,8 @@ pub(super) fn absent(words: &[(u8, Part)], letter: u8, number: Option<Number>) -
 }
 
 /// The extruder of a named command, if it is one that is not there. Klipper calls the first one `extruder`.
-pub(super) fn absent_extruder<'a>(command: &'static str, name: &'a [u8]) -> Option<Absent<'a>> {
+#[must_use]
+pub fn absent_extruder<'a>(command: &'static str, name: &'a [u8]) -> Option<Absent<'a>> {
     let is_there = is_word(name, b"extruder");
     (!is_there).then_some(Absent { command: Named::Name(command), part: Part::Extruder, which: name })
-}
-
-#[cfg(test)]
-mod tests {
-    extern crate std;
-
-    use super::super::commands::Command;
-    use super::super::parse::parse;
-    use super::super::parts::Flaw;
-    use super::*;
-    use std::collections::BTreeSet;
-
-    fn refused(line: &str) -> Option<(Part, &str)> {
-        match parse(line.as_bytes()) {
-            Command::Malformed(Flaw::Absent(Absent { part, which, .. })) => {
-                Some((part, core::str::from_utf8(which).unwrap()))
-            }
-            _ => None,
-        }
-    }
-
-    #[test]
-    fn words_for_parts_that_are_not_there_are_known_by_name() {
-        for (line, part, which) in [
-            ("T1", Part::Tool, ""),
-            ("T255", Part::Tool, ""),
-            ("M301 E1 P10 I1 D5", Part::Extruder, "1"),
-            ("M301 H1 P10", Part::Heater, "1"),
-            ("M304 H0 P1", Part::Heater, "0"),
-            ("M572 D1 S0.05", Part::Extruder, "1"),
-            ("M900 T1 K.2", Part::Extruder, "1"),
-            ("M900 S1", Part::Slot, "1"),
-            ("M900 K.1 L.2", Part::Other, ".2"),
-            ("M569 S1 I1 X", Part::Driver, "1"),
-            ("M92 T1 E400", Part::Extruder, "1"),
-            ("M201 T1 E400", Part::Extruder, "1"),
-            ("M203 T-1 E40", Part::Extruder, "-1"),
-            ("M200 T1 D0", Part::Extruder, "1"),
-            ("M84 E1", Part::Extruder, "1"),
-            ("M17 X E1", Part::Extruder, "1"),
-            ("SET_PRESSURE_ADVANCE EXTRUDER=extruder1 ADVANCE=.1", Part::Extruder, "extruder1"),
-        ] {
-            assert_eq!(refused(line), Some((part, which)), "{line}");
-        }
-    }
-
-    #[test]
-    fn words_of_machines_with_one_extruder_are_obeyed() {
-        for line in [
-            "T0",
-            "M200 D0",
-            "M200 T0 D0",
-            "M301 E0 P10",
-            "M572 D0 S0.05",
-            "M900 T0 K.2",
-            "M900 S0 K.2",
-            "M84 X Y E",
-            "M84 X0 Y0 E0",
-            "M204 P500 T500",
-            "M205 T5",
-            "M600 T1",
-            "M105 T1",
-            "SET_PRESSURE_ADVANCE EXTRUDER=extruder ADVANCE=.1",
-        ] {
-            assert_eq!(refused(line), None, "{line}");
-        }
-        for line in ["M900 T K1", "M572 D S.1"] {
-            assert!(matches!(parse(line.as_bytes()), Command::Malformed(Flaw::NoNumber(_))), "{line}");
-        }
-    }
-
-    #[test]
-    fn each_part_of_each_command_has_a_key_of_its_own() {
-        let lines = ["M203 T1", "M203 T2", "M301 H1", "T1", "T2", "M304 H1", "M900 S1", "M900 T1", "M92 T1", "M301 E1"];
-        let names = ["SET_PRESSURE_ADVANCE EXTRUDER=extruder1", "SET_PRESSURE_ADVANCE EXTRUDER=extruder2"];
-        let key = |line: &str| match parse(line.as_bytes()) {
-            Command::Malformed(Flaw::Absent(absent)) => absent.key(),
-            other => panic!("{line}: {other:?}"),
-        };
-        let keys: BTreeSet<u32> = lines.into_iter().chain(names).map(key).collect();
-        assert_eq!(keys.len(), lines.len() + names.len());
-        assert_eq!(key("M203 T1 E50"), key("M203 E80 T1"));
-    }
 }

@@ -10,7 +10,7 @@ use super::number::Number;
 
 /// One word of a line.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct Word<'a> {
+pub struct Word<'a> {
     /// The letter in upper case.
     pub letter: u8,
     /// The number, if the word is more than a flag.
@@ -23,7 +23,7 @@ pub(super) struct Word<'a> {
 
 /// The words of a text, in order.
 #[derive(Clone, Debug)]
-pub(super) struct Words<'a> {
+pub struct Words<'a> {
     remaining: &'a [u8],
     /// One of the words was odd.
     has_odd: bool,
@@ -33,7 +33,8 @@ pub(super) struct Words<'a> {
 
 impl<'a> Words<'a> {
     /// The words of `text`, which begins after the command's code.
-    pub(super) const fn new(text: &'a [u8]) -> Self {
+    #[must_use]
+    pub const fn new(text: &'a [u8]) -> Self {
         Self { remaining: text, has_odd: false, has_loose: false }
     }
 
@@ -67,7 +68,8 @@ pub(super) const fn is_outside(byte: u8) -> bool {
 /// `text` without the blanks it begins with. Not by `trim_start`, which calls `is_blank` for each byte: every word of a
 /// line passes here.
 #[inline(always)]
-pub(super) fn skip_blanks(mut text: &[u8]) -> &[u8] {
+#[must_use]
+pub fn skip_blanks(mut text: &[u8]) -> &[u8] {
     while let [byte, after @ ..] = text
         && is_blank(*byte)
     {
@@ -173,7 +175,8 @@ pub(super) fn number(text: &[u8], letter: u8) -> Option<Number> {
 }
 
 /// The numbers of the last words with each of these letters.
-pub(super) fn numbers<const N: usize>(text: &[u8], letters: &[u8; N]) -> [Option<Number>; N] {
+#[must_use]
+pub fn numbers<const N: usize>(text: &[u8], letters: &[u8; N]) -> [Option<Number>; N] {
     let mut numbers = [None; N];
     read_numbers(text, letters, &mut numbers);
     numbers

@@ -7,57 +7,38 @@
 //! - A line that cannot be carried out at all is [`Command::Unknown`] with the whole line.
 
 use super::code::Code;
-use super::commands::grammar::in_order;
-use super::commands::motion::line;
-use super::commands::own::{OwnRow, own_of_code, own_of_name};
-use super::commands::table::{row_of, row_of_name};
-use super::commands::{Command, RefusedCommand};
+use super::commands::Command;
+use super::commands::entry::{Row, of_code, of_name};
+use super::commands::moves::{arc, line};
 use super::lexer::{is_outside, skip_blanks, skip_past};
 use crate::text::{is_word, trim_end, trim_start};
 
 /// The first character of texts that some editors write (U+FEFF, the byte order mark).
 const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
-/// The command of `line` as in [`parse_with`], without a table of another room.
-#[must_use]
-pub fn parse(line: &[u8]) -> Command<'_> {
-    parse_with(&[], line)
-}
-
 /// The command of `line`, without line number, checksum and line end; a comment may still be in it.
 ///
-/// Codes that this room does not know are looked for in `own`. Never fails: an unknown command is
-/// [`Command::Unknown`].
+/// A command that is no move is looked for in `table`. Never fails: an unknown command is [`Command::Unknown`].
 #[must_use]
-pub fn parse_with<'a>(own: &'static [OwnRow], line: &'a [u8]) -> Command<'a> {
+pub fn parse_with<'a>(table: &'static [Row], line: &'a [u8]) -> Command<'a> {
     let text = skip_comments(line);
     let known = match Code::read(text) {
         // Most lines are moves: they are written directly to the place of the answer, because a command is large.
         Some((code @ Code { letter: b'G', subcode: 0, number: 0 | 1 }, words)) => return self::line(code, words),
-        Some((code, words)) => parse_code(own, code, words),
+        Some((code @ Code { letter: b'G', subcode: 0, number: 2 | 3 }, words)) => return arc(code, words),
+        Some((code, words)) => of_code(table, code, words),
         None if is_comment(line, text) => Some(Command::Silent),
-        None => parse_named(own, text),
+        None => parse_named(table, text),
     };
     known.unwrap_or_else(|| Command::Unknown(trim(line)))
 }
 
-/// The command of a code, or `None` for one that is not understood.
-#[inline(never)]
-fn parse_code<'a>(own: &'static [OwnRow], code: Code, words: &'a [u8]) -> Option<Command<'a>> {
-    let Some(row) = row_of(code) else { return own_of_code(own, code, words) };
-    let command = (row.read)(code.number, words)?;
-    Some(match row.grammar {
-        Some(grammar) => in_order(command, grammar, row.letters, code, words),
-        None => command,
-    })
-}
-
 /// The command of a name, or `None` if it is not known. `text` is the whole line.
-fn parse_named<'a>(own: &'static [OwnRow], text: &'a [u8]) -> Option<Command<'a>> {
+fn parse_named<'a>(table: &'static [Row], text: &'a [u8]) -> Option<Command<'a>> {
     let text = skip_blanks(text);
     // The subroutines and loops of LinuxCNC (`O100`) are unknown: a line number with one wrong bit looks like that.
     if is_condition(text) {
-        return Some(Command::Refused(RefusedCommand::Conditional));
+        return Some(Command::Condition);
     }
     let end = text.iter().position(|byte| !(byte.is_ascii_alphabetic() || *byte == b'_')).unwrap_or(text.len());
     let (name, after) = text.split_at_checked(end)?;
@@ -69,10 +50,7 @@ fn parse_named<'a>(own: &'static [OwnRow], text: &'a [u8]) -> Option<Command<'a>
     if matches!(after, [b'0'..=b'9', ..]) {
         return None;
     }
-    match row_of_name(name) {
-        Some(row) => (row.read)(0, after),
-        None => own_of_name(own, name, after),
-    }
+    of_name(table, name, after)
 }
 
 /// Whether a line is a condition or a loop of a template that a slicer (`{if x}`, `[if x]`) or Klipper (`{% if x %}`)
@@ -104,6 +82,3 @@ fn is_comment(line: &[u8], text: &[u8]) -> bool {
 fn trim(line: &[u8]) -> &[u8] {
     trim_end(trim_start(line, is_outside), is_outside)
 }
-
-#[cfg(test)]
-mod tests;

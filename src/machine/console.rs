@@ -7,7 +7,7 @@
 //! M410 and M524 end every wait with an error, which comes up to here: `quick_stop` brakes, drops the motion and
 //! restores everything that a command had changed for a while. This is grouping, trim, a buzz, drivers that measure, a
 //! probe that is out or near the bed, an axis that was being homed. Then the line is answered. A command that must tidy
-//! up by itself catches the error where it waits (`tune`, `settings::stored`). A line that is kept without `ok`
+//! up by itself catches the error where it waits (`tune`, `setup::stored`). A line that is kept without `ok`
 //! (`state::job`) waits here, while other hosts are served; it is taken up again when its user answers.
 
 use crate::kinematics::Groupings;
@@ -16,10 +16,6 @@ use crate::machine::apart::apart;
 use crate::machine::belt::align::end_measuring;
 use crate::machine::belt::circulate::end_circulation;
 use crate::machine::commands::dispatch::{carry_out, go_on_with};
-use crate::machine::commands::job::{begin_another, end_job};
-use crate::machine::commands::settings::kept_mesh::take_mesh_to_use;
-use crate::machine::commands::settings::stored::{load_at_start, note_self_test};
-use crate::machine::commands::states::States;
 use crate::machine::commands::table;
 use crate::machine::hosts::host::{HostMemory, Text};
 use crate::machine::hosts::request::Request;
@@ -31,9 +27,13 @@ use crate::machine::main_loop::limp::limp;
 use crate::machine::main_loop::surface::{keep_to_surface, lay_mesh};
 use crate::machine::main_loop::trim::{end_buzz, end_trim};
 pub use crate::machine::ports::{PortSet, Ports};
+use crate::machine::print::job::{begin_another, end_job};
 use crate::machine::probe::touch::end_touch;
+use crate::machine::setup::kept_mesh::take_mesh_to_use;
+use crate::machine::setup::stored::{load_at_start, note_self_test};
 use crate::machine::state::job::JobEnd;
 use crate::machine::state::kept_line::Answered;
+use crate::machine::states::States;
 use crate::motion::{Link, MoveMemory, QueueObserver};
 use crate::port::{BoardFacts, Wake};
 use crate::protocol::{Action, Echo};
@@ -152,7 +152,7 @@ impl<'m, P: PortSet, W: Wake> Console<'m, P, W> {
                 }
                 continue;
             }
-            let Some(asked) = main_loop.next_line(&mut text) else {
+            let Some(asked) = main_loop.next_line(table::parse, &mut text) else {
                 main_loop.poll().await?;
                 continue;
             };

@@ -1,7 +1,7 @@
 //! The machine: the effect of each command, from its line to its `ok`.
 //!
 //! ```text
-//!   bytes ──▶ main loop ── line ──▶ gcode::parse ── Command ──▶ commands ── moves ──▶ main loop ──▶ look-ahead
+//!   bytes ──▶ main loop ── line ──▶ table::parse ── Command ──▶ commands ── moves ──▶ main loop ──▶ look-ahead
 //!               ▲                                               │  ▲ states                           │
 //!               └────────────── reports ◀── Answer ─────────────┘                                     ▼ move queue
 //! ```
@@ -17,7 +17,10 @@
 //! | file or folder | for |
 //! |---|---|
 //! | `console` | the loop: take a line, carry it out, answer it |
-//! | `commands` | the effect of each command |
+//! | `commands` | the list of commands, and their dispatch |
+//! | `travel`, `homing`, `bed`, `motors` | commands that move: each a file, and what several share |
+//! | `heat`, `print`, `setup`, `messages` | commands about heat, prints, settings; reports and messages |
+//! | `states` | the states of commands |
 //! | `belt` | circulation of a closed belt, and alignment of its motors |
 //! | `probe` | touches of the Z probe |
 //! | `resonance` | resonance tests with an accelerometer |
@@ -45,19 +48,28 @@
 
 mod answers;
 mod apart;
+mod bed;
 mod belt;
 mod commands;
 mod console;
+mod heat;
+mod homing;
 mod hosts;
 mod interrupt;
 mod main_loop;
+mod messages;
+mod motors;
 mod numbers;
 mod ports;
+mod print;
 mod probe;
 mod release;
 mod reports;
 mod resonance;
+mod setup;
 mod state;
+mod states;
+mod travel;
 
 pub use commands::table::{codes, described, examples, names, parse};
 pub use console::{Console, PortSet, Ports};

@@ -1,9 +1,14 @@
 //! Numbers of lines: read to the nearest value of a type, and printed so that they read back as the same value.
 
 use crate::gcode::Number;
+use crate::settings::ShaperKind;
 use crate::units::{Mm, Quantity, Ratio, Seconds, part_of};
 use core::fmt;
 use fixed::types::I32F32;
+
+/// The shapers, each at the place of its number in M593 T (Prusa-Firmware-Buddy).
+pub(in crate::machine) const SHAPERS: [ShaperKind; 5] =
+    [ShaperKind::Zv, ShaperKind::Zvd, ShaperKind::Mzv, ShaperKind::Ei, ShaperKind::TwoHumpEi];
 
 /// The value nearest to a number.
 pub(in crate::machine) fn nearest<T: Quantity>(number: Number) -> T {

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 /// The rule that limits the speed in a corner; a rule has one value so far. `motion::planner::junction` has the law. A
 /// machine file chooses a rule by its key (`corner.…`, `machine-file/src/keys.rs`), a line by its letter in M205
-/// (`machine/commands/settings/rules.rs`). A new one comes last, as records hold its number.
+/// (`machine/setup/rules.rs`). A new one comes last, as records hold its number.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 pub enum CornerRule {
     /// Junction deviation: the largest distance between the corner and an arc that rounds it.

@@ -11,10 +11,9 @@
 //! - Range of a new kind of quantity: `ranges`. A limit that depends on other settings: `check`; on the board:
 //!   `plugged`. Checked by `tests/setting_ranges.rs`.
 //! - Command and M503: from the [line](mod@line) of the row, if its number is [`plain`]. A code with a condition is in
-//!   `plain::CONDITIONS`, its rule in `machine/commands/settings/rules.rs`. Otherwise letters in
-//!   `gcode/commands/settings`, their effect in `machine/commands/settings` (or `shaping`, `drivers`), and the
-//!   report in `machine/reports/settings_report.rs` and `machine/answers/setting.rs`. Checked by `every_setting.rs` and
-//!   `legal_settings.rs`.
+//!   `plain::CONDITIONS`, its rule in `machine/setup/rules.rs`. Otherwise a command in `machine/setup` (or `motors`),
+//!   and the report in `machine/reports/settings_report.rs` and `machine/answers/setting.rs`. Checked by
+//!   `every_setting.rs` and `legal_settings.rs`.
 //! - Readers: `motion`, `driver`, `thermal` or `machine`, with their own tests.
 //! - Time at which it takes effect: [`Settings::is_built_as`] for a setting that a board reads only when it starts.
 //!   Checked by the compiler.

@@ -21,7 +21,7 @@ pub enum Owner {
     Probe,
 }
 
-/// What a code needs that its rows do not say. `machine::commands::settings::rules` has the rules of codes.
+/// What a code needs that its rows do not say. `machine::setup::rules` has the rules of codes.
 #[derive(Clone, Copy, Debug)]
 pub struct Condition {
     /// The number of the code.

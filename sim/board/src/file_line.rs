@@ -65,7 +65,7 @@ pub fn strip_comment(line: &str) -> Cow<'_, str> {
 }
 
 /// The words of a command: a letter, in upper case, and its number.
-pub fn words(command: &str) -> impl Iterator<Item = (char, Option<f64>)> + '_ {
+pub fn words(command: &str) -> impl Iterator<Item = (char, Option<f64>)> + Clone + '_ {
     let mut rest = command;
     std::iter::from_fn(move || {
         let start = rest.find(|c: char| c.is_ascii_alphabetic())?;

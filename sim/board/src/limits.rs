@@ -37,7 +37,6 @@
 //! corner's own jump, may fall into one measurement.
 
 use crate::file_line::{command_of, words};
-use corehbot::gcode::{Command, MotionCommand, MotorCommand, Number, SettingCommand, VelocityWords, parse};
 use corehbot::kinematics::{Group, Groups, direction};
 use corehbot::settings::{Alignment, AxisEnd, AxisSettings, Belt, CornerRule, Settings, ranges};
 use corehbot::units::{Mm, MmPerSec, MmPerSec2, Seconds};
@@ -201,6 +200,31 @@ fn stands(letter: char, code: f64) -> bool {
     codes.contains(&code) || codes.contains(&code.trunc()) && letter == 'M' && code.trunc() == 862.0
 }
 
+/// Whether a command has that name.
+fn is_named(command: &str, name: &str) -> bool {
+    command.split_whitespace().next().is_some_and(|first| first.eq_ignore_ascii_case(name))
+}
+
+/// The number of a word `NAME=`.
+fn pair(command: &str, name: &str) -> Option<f64> {
+    let words = command.split_whitespace().filter_map(|word| word.split_once('='));
+    words.filter(|(known, _)| known.eq_ignore_ascii_case(name)).last()?.1.trim_matches('"').parse().ok()
+}
+
+/// The time of pressure advance in s, if a command sets it.
+fn advance_of(command: &str) -> Option<f64> {
+    if is_named(command, "SET_PRESSURE_ADVANCE") {
+        return pair(command, "ADVANCE");
+    }
+    let mut words = words(command);
+    let letter = match words.next()? {
+        ('M', Some(900.0)) => 'K',
+        ('M', Some(572.0)) => 'S',
+        _ => return None,
+    };
+    words.filter(|(known, _)| *known == letter).last()?.1
+}
+
 /// Limits of the settings alone.
 fn limits_of(s: &Settings) -> Vec<Limit> {
     // A step of the motor that makes the fewest for a step of the axis.
@@ -318,38 +342,26 @@ impl Limits {
 
     /// Takes in the limits set by one command.
     fn widen(&mut self, command: &str, s: &Settings, widest: &mut Widest, unit: &mut f64) {
-        if let Command::Setting(SettingCommand::Advance { time: Some(time), .. }) = parse(command.as_bytes()) {
+        if let Some(time) = advance_of(command) {
             // The firmware leaves other lines alone.
-            widest.has_advance |=
-                time > Number::ZERO && ranges::ADVANCE.holds(Seconds::saturating_from_num(time.value()));
+            widest.has_advance |= time > 0.0 && ranges::ADVANCE.holds(Seconds::saturating_from_num(time));
             return;
         }
-        if let Command::Setting(SettingCommand::VelocityLimit(VelocityWords { square_corner: Some(number), .. })) =
-            parse(command.as_bytes())
-        {
-            let w = MmPerSec::saturating_from_num(number.value());
-            if ranges::SPEED.holds(w) {
+        if is_named(command, "SET_VELOCITY_LIMIT") {
+            if let Some(w) = pair(command, "SQUARE_CORNER_VELOCITY").map(MmPerSec::saturating_from_num)
+                && ranges::SPEED.holds(w)
+            {
                 widest.change(|corners| corners.rule = CornerRule::SquareCorner(w));
             }
-        }
-        if let Command::Setting(SettingCommand::VelocityLimit(VelocityWords { acceleration, .. })) =
-            parse(command.as_bytes())
-        {
-            if let Some(a) = acceleration.map(|number| MmPerSec2::saturating_from_num(number.value()))
+            if let Some(a) = pair(command, "ACCEL").map(MmPerSec2::saturating_from_num)
                 && ranges::ACCELERATION.holds(a)
             {
                 widest.change(|corners| corners.commanded = [a.to_num(); 2]);
             }
             return;
         }
-        match parse(command.as_bytes()) {
-            Command::Motor(MotorCommand::Buzz { .. }) => self.trims = true,
-            Command::Motor(MotorCommand::LevelScrews(_)) => self.levels = true,
-            _ => {}
-        }
-        if let Command::Motion(MotionCommand::Circulate { .. }) = parse(command.as_bytes()) {
-            self.circulates |= s.belt.is_closed;
-        }
+        self.trims |= is_named(command, "STEPPER_BUZZ");
+        self.levels |= ["Z_TILT_ADJUST", "QUAD_GANTRY_LEVEL"].into_iter().any(|name| is_named(command, name));
         let mut words = words(command);
         let Some((letter, Some(code))) = words.next() else {
             widest.use_it();
@@ -360,6 +372,8 @@ impl Limits {
             widest.use_it();
         }
         match (letter, code) {
+            ('G', 0.0 | 1.0) if words.clone().any(|(letter, _)| letter == 'C') => self.circulates |= s.belt.is_closed,
+            ('G', 34.0) => self.levels = true,
             ('M', 501.0 | 502.0) => widest.change(|corners| *corners = Corners::of(s)),
             ('G', 20.0) => *unit = 25.4,
             ('G', 21.0) => *unit = 1.0,

@@ -1,9 +1,8 @@
 //! A cancel at any moment: every command that makes its host wait ends at once by M524, as any cancel does.
 //!
-//! The commands are those of the table of `commands/table.rs`, which has a row for every code that the firmware knows.
+//! The commands are the examples of the firmware, which are of every code that it knows.
 //! A command waits if its `ok` does not come at once, as seen here. So a new command that waits is in this test.
 
-use crate::commands::table::ROWS;
 use crate::common::heated::heated;
 use crate::common::life::Life;
 use crate::common::on_bed::{SCREWS, over, with_probe};
@@ -151,7 +150,7 @@ fn cancel(life: &mut Life<'_>, line: &str, at_ms: u64) {
 
 fn every_wait_is_cancelled(kind: ProbeKind) {
     let (s, bed) = machine(kind);
-    let lines = ROWS.iter().copied().chain(examples()).map(|(line, _)| line).chain(LONGER);
+    let lines = examples().map(|(line, _)| line).chain(LONGER);
     let lines: Vec<_> = lines.filter(|line| !URGENT.contains(&line.split(' ').next().unwrap())).collect();
     let waits: Vec<_> = lines.into_par_iter().filter_map(|line| Some((line, wait_of(&s, &bed, line)?))).collect();
     for code in ["G4", "G28", "G29", "G30", "G34", "G35", "M0", "M25", "M48", "M84", "M109", "M190", "M303", "M400"] {
@@ -188,7 +187,7 @@ const ACT: [&str; 10] = ["G28", "M18", "M75", "M77", "M84", "M108", "M110", "M11
 fn a_job_that_has_ended_moves_and_heats_nothing_whatever_the_command() {
     let (s, bed) = machine(ProbeKind::Switch);
     let more = ["M290 Z0.3", "SET_GCODE_OFFSET Z_ADJUST=0.3 MOVE=1", "STEPPER_BUZZ STEPPER=m1"];
-    let lines = ROWS.iter().copied().chain(examples()).map(|(line, _)| line).chain(LONGER).chain(more);
+    let lines = examples().map(|(line, _)| line).chain(LONGER).chain(more);
     let code = |line: &str| line.split([' ', '(', ';']).next().unwrap().to_owned();
     over(&s, &bed, &mut Eeprom::blank(), |life| {
         print(life);

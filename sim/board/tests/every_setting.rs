@@ -7,7 +7,6 @@ use crate::common::deaf::Deaf;
 use crate::common::lines::Lines;
 use crate::common::plain_lines::plain_lines;
 use crate::common::setting_lines::LINES;
-use corehbot::gcode::{Command, Number, SettingCommand, ShaperWords, parse};
 use corehbot::motors::prototype;
 use corehbot::port::NoStorage;
 use corehbot::settings::{CornerRule, PLACES, Settings, ShaperKind};
@@ -346,24 +345,20 @@ fn every_shaper_is_known_to_the_machine_file_to_m593_and_to_its_texts() {
         let name = name(kind);
         let settings = machine_file::load(&format!("[shaper.x]\nkind = \"{name}\"")).unwrap();
         assert_eq!(settings.shapers.x.kind, kind, "ShaperKind in src/settings/shaping.rs");
-        let Command::Setting(SettingCommand::Shaper(ShaperWords { kind: number, .. })) =
-            parse(format!("M593 X P\"{name}\" F50").as_bytes())
-        else {
-            panic!()
-        };
+        let by_name = settings_as_said(&Settings::prototype(), &[&format!("M593 X P\"{name}\" F50")]);
         if kind == ShaperKind::None {
             continue;
         }
-        let number = number.filter(|number| *number >= Number::ZERO);
-        let number =
-            number.unwrap_or_else(|| panic!("{name} is missing in NAMES of src/gcode/commands/settings/shaping.rs"));
-        let said = settings_as_said(&Settings::prototype(), &[&format!("M593 X F50 T{number}")]);
         let by_file = settings_as_said(&settings, &["M593 X F50"]);
-        assert_eq!(said, by_file, "{name}: kind_of in src/machine/commands/shaping.rs");
+        assert_eq!(by_name, by_file, "{name} in NAMES of the file of M593");
         let (mut host, drivers) = (Lines::new(vec!["M593 T99".to_owned()]), Drivers::new());
         run_on(&Settings::prototype(), None, NoStorage, &drivers, &mut [&mut host], &mut Deaf).unwrap();
-        let text = format!("{number} ({})", name.to_uppercase());
-        assert!(host.heard.iter().any(|line| line.contains(&text)), "{text} in {:?}", host.heard);
+        let text = format!(" ({})", name.to_uppercase());
+        let told = host.heard.iter().find_map(|line| line.split_once(&text)).map(|(before, _)| before);
+        let number =
+            told.and_then(|before| before.chars().last()).unwrap_or_else(|| panic!("{text}: {:?}", host.heard));
+        let by_number = settings_as_said(&Settings::prototype(), &[&format!("M593 X F50 T{number}")]);
+        assert_eq!(by_number, by_file, "{name} in SHAPERS of src/machine/numbers.rs");
     }
 }
 

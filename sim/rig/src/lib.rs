@@ -4,7 +4,7 @@
 //! the QEMU board use the same rig, so a homing move ends at the same step on both. Its heat is [`plant`].
 //!
 //! The switches sit where the settings say ([`Endstop`](corehbot::settings::Endstop)) and stay pressed beyond: that is
-//! where homing looks for them (`src/machine/commands/homing.rs`). The probe of a machine that has one is in [`bed`].
+//! where homing looks for them (`src/machine/homing`). The probe of a machine that has one is in [`bed`].
 #![no_std]
 #![forbid(unsafe_code)]
 

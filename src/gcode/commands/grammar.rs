@@ -28,10 +28,7 @@ pub struct Grammar {
 }
 
 /// Marlin's names of axes beyond x, y and z.
-pub(super) const NO_AXES: &[u8] = b"ABCUVW";
-
-/// Words that need no number.
-pub(super) const WORDS: &Grammar = &Grammar::numbers(b"");
+pub const NO_AXES: &[u8] = b"ABCUVW";
 
 impl Grammar {
     /// Words, and nothing else; these letters need a number.
@@ -42,7 +39,8 @@ impl Grammar {
     }
 
     /// The letters of the code's plain settings need a number.
-    pub(super) const fn plain() -> Self {
+    #[must_use]
+    pub const fn plain() -> Self {
         Self { is_plain: true, ..Self::numbers(b"") }
     }
 
@@ -216,6 +214,3 @@ fn shown(mut text: &[u8]) -> &[u8] {
     let length = number.iter().position(|byte| is_blank(*byte) || matches!(byte, b';' | b'(')).unwrap_or(number.len());
     text.get(..text.len() - number.len() + length).unwrap_or(text)
 }
-
-#[cfg(test)]
-mod tests;

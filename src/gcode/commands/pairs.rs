@@ -7,10 +7,12 @@ use crate::text::is_word;
 use fixed::types::I32F32;
 
 /// A pair.
-pub(super) struct Pair<'a> {
+pub struct Pair<'a> {
     /// Both, as they are written.
     word: &'a [u8],
+    /// The name.
     pub name: &'a [u8],
+    /// The value after the `=`, without quotes.
     pub value: &'a [u8],
     /// The place of the name in the list of names; behind its end for any other name.
     pub place: usize,
@@ -18,6 +20,7 @@ pub(super) struct Pair<'a> {
 
 impl<'a> Pair<'a> {
     /// What is said of a pair that is not in order.
+    #[must_use]
     pub const fn flaw(&self) -> Flaw<'a> {
         Flaw::NoPair(self.word)
     }
@@ -33,7 +36,7 @@ impl<'a> Pair<'a> {
 
 /// Shows each pair of a text to a function, and returns the first flaw: of a word that is no pair, or the function's.
 #[inline(never)]
-pub(super) fn flaw_of_pairs<'a>(
+pub fn flaw_of_pairs<'a>(
     text: &'a [u8],
     names: &[&str],
     take: &mut dyn FnMut(&Pair<'a>) -> Option<Flaw<'a>>,
@@ -71,7 +74,8 @@ fn named_value(word: &[u8]) -> Option<(&[u8], &[u8])> {
 }
 
 /// `number` times a power of ten, to the nearest (a tie away from zero).
-pub(super) fn times_ten_to(number: Number, exponent: Number) -> Number {
+#[must_use]
+pub fn times_ten_to(number: Number, exponent: Number) -> Number {
     let (bits, exponent) = (number.value().to_bits(), exponent.to_int());
     // Beyond 10^18 no digit is left, or it is beyond all limits.
     let mut power = 1;

@@ -10,6 +10,7 @@ use super::belt_answer::BeltAnswer;
 use super::buzz_answer::BuzzAnswer;
 use super::machine_answer::MachineAnswer;
 use super::mesh_answer::MeshAnswer;
+use super::message::Message;
 use super::next_step::NextStep;
 use super::probe_answer::ProbeAnswer;
 use super::resonance_answer::ResonanceAnswer;
@@ -22,7 +23,7 @@ use super::words::Words;
 use crate::connectors::Heater;
 use crate::driver::{DriverError, Reading};
 use crate::fault;
-use crate::gcode::{Flaw, Form, Number};
+use crate::gcode::{Flaw, Number};
 use crate::machine::state::retraction::RetractionSettings;
 use crate::port::{EndstopSet, Motor};
 use crate::protocol::ResendReason;
@@ -65,7 +66,7 @@ pub(in crate::machine) enum Answer<'a> {
     /// Words in the file of the command.
     Says(Says),
     /// M118.
-    Message(Form, &'a [u8]),
+    Message(Message<'a>),
     /// M28, with the name of the file: there is no card.
     NoCard(&'a [u8]),
     /// An upload to a card has ended; this many lines were not carried out.

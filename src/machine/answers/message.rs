@@ -1,14 +1,24 @@
 //! M118: messages for hosts.
 
-use crate::gcode::Form;
 use core::fmt::{self, Write};
+
+/// How a message of M118 is dressed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(in crate::machine) enum Form {
+    /// As it is.
+    Plain,
+    /// E1: `echo:` in front.
+    Echo,
+    /// A1: `//` in front, for an action command to the host.
+    Action,
+}
 
 /// Forbidden beginnings of a message, in lower case: a host would take it for an answer (printcore, OctoPrint comm.py).
 const RESERVED: [&[u8]; 10] =
     [b"ok", b"start", b"rs", b"resend", b"wait", b"error", b"fatal", b"!!", b"debug_", b"cap:"];
 
 /// A message; displayed, it is the line. A text that a host would take for an answer is an echo.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) struct Message<'a> {
     pub form: Form,
     pub text: &'a [u8],

@@ -1,9 +1,22 @@
 //! The answers to resonance tests.
 
 use crate::accelerometer::{SensorFault, SensorKind};
-use crate::gcode::SweepAxis;
 use crate::settings::{HomedAxis, Range, Shaper};
 use crate::units::{Mm, MmPerSec, MmPerSec2};
+
+/// The direction of a resonance test.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub(in crate::machine) enum SweepAxis {
+    /// Along x.
+    #[default]
+    X,
+    /// Along y.
+    Y,
+    /// To the right and to the front.
+    A,
+    /// To the right and to the back.
+    B,
+}
 
 /// A mode of the tool.
 #[derive(Clone, Copy, PartialEq, Debug)]

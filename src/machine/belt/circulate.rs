@@ -1,4 +1,4 @@
-//! Circulation: the belt circulates with the tool at rest or moving in x and y. `commands::circulate` has the command.
+//! Circulation: the belt circulates with the tool at rest or moving in x and y. `travel::circulate` has the command.
 
 use crate::kinematics::Grouping;
 use crate::machine::apart::apart;

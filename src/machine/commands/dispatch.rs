@@ -1,28 +1,25 @@
-//! Dispatch of every command to its family.
+//! Dispatch of every command.
 //!
 //! ```text
-//!   Command ──▶ table, or motion, jobs, settings, motors, probing, bed, resonance, reports, refused ──▶ Answer
+//!   Command ──▶ moves, or table: a file each ──▶ Answer
 //! ```
 //!
-//! A command with all of it in one file is in the table. Its answer may be a next step, which is awaited here. Each
-//! family of the others has one match without a wildcard. So a new command does not compile before it has an arm. The
-//! arm gives the answer at once, or awaits it: motion, power, storage, drivers, questions to the user.
-//!
-//! Each family is polled by a function of its own (`apart`). In one function they took 7.3 KB more of an image.
+//! Each is polled by a function of its own (`apart`). In one function they took 7.3 KB more of an image.
 
-use super::detour::{begin_line, end_line};
-use super::job::{end_job, refuse, starts_print};
-use super::pause::{end_keeping, hold};
-use super::states::{States, tell_clamps};
-use super::waits::take_step;
-use super::{bed, jobs, motion, motors, probing, refused, reports, resonance, settings, table};
-use crate::gcode::{Command, Flaw};
+use super::table;
+use crate::gcode::{Command, Flaw, Mark};
 use crate::machine::answers::answer::Answer;
 use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
+use crate::machine::print::detour::{begin_line, end_line};
+use crate::machine::print::job::{end_job, refuse, starts_print};
+use crate::machine::print::pause::{end_keeping, hold};
+use crate::machine::state::job::JobEnd;
 use crate::machine::state::kept_line::{Answered, Kept};
+use crate::machine::states::{States, tell_clamps};
+use crate::machine::travel::moves::Moves;
 use crate::port::Wake;
 use core::pin::pin;
 
@@ -51,19 +48,12 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Wake>(
         begin_line(main_loop, &mut states.modal, command);
     }
     let done = match *command {
-        Command::Motion(ref command) => apart(pin!(motion::carry_out(main_loop, states, command))).await,
-        Command::Job(ref command) => apart(pin!(jobs::carry_out(main_loop, states, command))).await,
-        Command::Setting(ref command) => apart(pin!(settings::carry_out(main_loop, states, command))).await,
-        Command::Motor(ref command) => apart(pin!(motors::carry_out(main_loop, states, command))).await,
-        Command::Probe(ref command) => apart(pin!(probing::carry_out(main_loop, states, command))).await,
-        Command::Bed(ref command) => apart(pin!(bed::carry_out(main_loop, states, command))).await,
-        Command::Resonance(ref command) => apart(pin!(resonance::carry_out(main_loop, states, command))).await,
-        Command::Report(ref command) => apart(pin!(reports::carry_out(main_loop, command))).await,
-        Command::Own(ref command) => match table::carry_out(main_loop, states, command) {
-            Answer::Then(step) => apart(pin!(take_step(main_loop, states, step))).await,
-            answer => Ok(answer),
-        },
-        Command::Refused(command) => Err(refused::end(main_loop, command)),
+        Command::Move(ref command) => apart(pin!(Moves { main_loop, states }.make(command))).await,
+        Command::Table(ref command) => apart(pin!(table::carry_out(main_loop, states, command))).await,
+        Command::Condition => {
+            main_loop.job.note_end(JobEnd::Conditional);
+            Err(Interrupt::EndJob)
+        }
         Command::Silent => Ok(Answer::Nothing),
         Command::Malformed(Flaw::Absent(absent)) if !states.notices.give_absent(absent.key()) => Ok(Answer::Nothing),
         Command::Malformed(flaw) => Ok(Answer::Malformed(flaw)),
@@ -97,7 +87,7 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Wake>(
 
 /// Whether a command finds out about the bed.
 const fn is_about_bed(command: &Command<'_>) -> bool {
-    matches!(command, Command::Probe(_) | Command::Bed(_) | Command::Motor(_))
+    matches!(command, Command::Table(command) if command.has_mark(Mark::FindsBed))
 }
 
 /// A name that is unknown may begin or end a print in other firmware.

@@ -1,13 +1,16 @@
 //! One host: its serial line, the received bytes, and the pending replies.
 
-use super::request::Request;
+use super::request::{Parse, Request};
 use super::schedule::Schedule;
 use super::upload::{Upload, is_mark};
-use crate::gcode::{self, BedCommand, Command, ReportCommand};
+use crate::gcode::{Command, Mark};
 use crate::port::{Lines, Received, Serial};
 use crate::protocol::{Activity, Emergency, Incoming, LONGEST_LINE, Receiver, Replies};
 use crate::units::Instant;
 use heapless::Vec;
+
+/// M117: a message for a display that is not there.
+const MESSAGE: u16 = 117;
 
 /// Lines that wait for longer are sorted: their host does not stop sending. Emergencies behind them then act within
 /// twice this time.
@@ -232,6 +235,7 @@ impl<'m, S: Serial> Host<'m, S> {
         &mut self,
         now: Instant,
         (patience_ms, activity): (u32, &dyn Fn() -> Activity),
+        parse: Parse,
         text: &mut Text,
     ) -> Option<Request> {
         if !self.replies.are_sent() {
@@ -255,22 +259,23 @@ impl<'m, S: Serial> Host<'m, S> {
             Incoming::Resend { reason, last } => Request::Resend(reason, last),
             Incoming::Question { last } => Request::Question(last),
         };
-        let asked = if asked == Request::TooLong { self.asked_at_length(text) } else { asked };
+        let asked = if asked == Request::TooLong { self.asked_at_length(parse, text) } else { asked };
         let number = self.receiver.last_line();
         self.number = (number != last).then_some(number);
         self.assured = now;
-        let is_forgotten = self.receiver.is_overtaken() && asked == Request::Command && !is_mark(text);
+        let is_forgotten = self.receiver.is_overtaken() && asked == Request::Command && !is_mark(parse, text);
         let asked = if is_forgotten { Request::Nothing } else { asked };
-        Some(if self.upload.takes(asked, text, now) { Request::Nothing } else { asked })
+        Some(if self.upload.takes(asked, text, parse, now) { Request::Nothing } else { asked })
     }
 
     /// The request of a line that is too long: it may be one without an effect, a message, or the outline of an
     /// object, which may be cut.
-    fn asked_at_length(&self, text: &mut Text) -> Request {
+    fn asked_at_length(&self, parse: Parse, text: &mut Text) -> Request {
         let kept = self.receiver.kept();
-        match gcode::parse(kept) {
-            Command::Silent | Command::Report(ReportCommand::Message) => Request::Nothing,
-            Command::Bed(BedCommand::Object { .. }) => {
+        match parse(kept) {
+            Command::Silent => Request::Nothing,
+            Command::Table(command) if command.is('M', MESSAGE) => Request::Nothing,
+            Command::Table(command) if command.has_mark(Mark::MayBeCut) => {
                 text.clear();
                 let _ = text.extend_from_slice(kept.get(..text.capacity()).unwrap_or(kept));
                 Request::Command

@@ -1,6 +1,10 @@
 //! The request in a host's line.
 
+use crate::gcode::Command;
 use crate::protocol::ResendReason;
+
+/// Makes the command of a line, by the machine's table.
+pub(in crate::machine) type Parse = fn(&[u8]) -> Command<'_>;
 
 /// The request of a line; a command's text is elsewhere.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -4,10 +4,10 @@
 //! host that sent it.
 //!
 //! A host that waits gets `busy` (`keep_alive`): its text is in `protocol::reply`, its interval `Settings::keepalive_s`
-//! (M113). Waits for heat also report temperatures, every second (`LINE_MS` in `commands::heating`).
+//! (M113). Waits for heat also report temperatures, every second (`LINE_MS` in `heat::heating`).
 
 use super::host::{Host, HostMemory, Text, Urgent};
-use super::request::Request;
+use super::request::{Parse, Request};
 use super::schedule::Report;
 use crate::port::{LINES, Lines, Serial};
 use crate::protocol::{Activity, NoRoom, Owed, Replies};
@@ -92,6 +92,7 @@ impl<'m, S: Serial> Hosts<'m, S> {
         &mut self,
         now: Instant,
         patience: (u32, &dyn Fn() -> Activity),
+        parse: Parse,
         text: &mut Text,
     ) -> Option<Request> {
         let (count, mut place) = (self.hosts.len(), self.serving);
@@ -100,7 +101,8 @@ impl<'m, S: Serial> Hosts<'m, S> {
             if self.aside == Some(place) {
                 continue;
             }
-            let Some(asked) = self.hosts.get_mut(place).and_then(|host| host.next_line(now, patience, text)) else {
+            let Some(asked) = self.hosts.get_mut(place).and_then(|host| host.next_line(now, patience, parse, text))
+            else {
                 continue;
             };
             self.switch_to(place);

@@ -12,8 +12,8 @@
 //!
 //! Time does not end it: a host may be slow, and the rest of its file would then be carried out.
 
-use super::request::Request;
-use crate::gcode::{self, Command, JobCommand, MotionCommand, ReportCommand};
+use super::request::{Parse, Request};
+use crate::gcode::{Command, Mark};
 use crate::units::Instant;
 
 /// Pronsole starts the file as soon as M28 is sent; this is more time than any computer takes.
@@ -38,8 +38,8 @@ enum State {
 
 /// Whether a line begins or ends an upload. M410 makes none of them forgotten: the lines behind it would be carried
 /// out.
-pub(super) fn is_mark(text: &[u8]) -> bool {
-    matches!(gcode::parse(text), Command::Job(JobCommand::BeginUpload(_) | JobCommand::EndUpload))
+pub(super) fn is_mark(parse: Parse, text: &[u8]) -> bool {
+    matches!(parse(text), Command::Table(command) if command.is('M', 28) || command.is('M', 29))
 }
 
 /// Whether a line is M115 and nothing else.
@@ -49,18 +49,7 @@ fn is_greeting(text: &[u8]) -> bool {
 
 /// Whether a command acts in an upload as ever: it stops or reports, or acts before its turn anyway.
 const fn acts(command: &Command<'_>) -> bool {
-    matches!(
-        command,
-        Command::Job(
-            JobCommand::BeginUpload(_)
-                | JobCommand::EndUpload
-                | JobCommand::EmergencyStop
-                | JobCommand::Continue
-                | JobCommand::Answer
-                | JobCommand::Restart
-        ) | Command::Report(ReportCommand::Temperatures)
-            | Command::Motion(MotionCommand::QuickStop)
-    )
+    matches!(command, Command::Table(command) if command.has_mark(Mark::ActsInUpload))
 }
 
 impl Upload {
@@ -89,7 +78,7 @@ impl Upload {
     }
 
     /// Whether a line is one of the file, and needs but an `ok`. One that shows that the upload is over ends it.
-    pub(super) fn takes(&mut self, asked: Request, text: &[u8], now: Instant) -> bool {
+    pub(super) fn takes(&mut self, asked: Request, text: &[u8], parse: Parse, now: Instant) -> bool {
         let lines = match self.state {
             State::None => return false,
             State::Begun(_) => 0,
@@ -97,7 +86,7 @@ impl Upload {
         };
         match asked {
             Request::Command if is_greeting(text) => self.give_up(),
-            Request::Command if acts(&gcode::parse(text)) => false,
+            Request::Command if acts(&parse(text)) => false,
             Request::Command | Request::TooLong => {
                 self.state = State::Streaming(lines.saturating_add(1));
                 true
@@ -123,6 +112,13 @@ impl Upload {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gcode::{Entry, Row, parse_with};
+
+    static TABLE: [Row; 1] = [Entry::m("", &[28, 29, 105, 108, 112, 410]).mark(Mark::ActsInUpload).row()];
+
+    fn parse(line: &[u8]) -> Command<'_> {
+        parse_with(&TABLE, line)
+    }
 
     fn begun() -> Upload {
         let mut upload = Upload::new();
@@ -133,8 +129,8 @@ mod tests {
     #[test]
     fn without_m28_nothing_is_taken() {
         let mut upload = Upload::new();
-        assert!(!upload.takes(Request::Command, b"G1 X5", Instant(0)));
-        assert!(!upload.takes(Request::LineNumber(None), b"", Instant(0)));
+        assert!(!upload.takes(Request::Command, b"G1 X5", parse, Instant(0)));
+        assert!(!upload.takes(Request::LineNumber(None), b"", parse, Instant(0)));
         assert_eq!((upload.end(), upload.take_given_up()), (None, None));
     }
 
@@ -142,22 +138,22 @@ mod tests {
     fn lines_up_to_m29_are_taken_but_for_those_that_act_anyway() {
         let mut upload = begun();
         for line in ["G1 X5 E1", "M104 S200", "START_PRINT BED=60", "nonsense", "M110x", "M115 U3.1.0", "M25"] {
-            assert!(upload.takes(Request::Command, line.as_bytes(), Instant(0)), "{line}");
+            assert!(upload.takes(Request::Command, line.as_bytes(), parse, Instant(0)), "{line}");
         }
-        assert!(upload.takes(Request::TooLong, b"", Instant(0)));
+        assert!(upload.takes(Request::TooLong, b"", parse, Instant(0)));
         for line in ["M105", "M112", "M108", "M410", "M29", "M29 a.gco", "M28 b.gco"] {
-            assert!(!upload.takes(Request::Command, line.as_bytes(), Instant(0)), "{line}");
+            assert!(!upload.takes(Request::Command, line.as_bytes(), parse, Instant(0)), "{line}");
         }
-        assert!(!upload.takes(Request::Nothing, b"", Instant(0)));
+        assert!(!upload.takes(Request::Nothing, b"", parse, Instant(0)));
         assert_eq!((upload.end(), upload.end()), (Some(8), None));
     }
 
     #[test]
     fn pronsole_says_m110_directly_behind_m28_and_again_at_the_end() {
         let mut upload = begun();
-        assert!(!upload.takes(Request::LineNumber(None), b"", Instant(0).after_ms(200)));
-        assert!(upload.takes(Request::Command, b"G28", Instant(0).after_ms(300)));
-        assert!(!upload.takes(Request::LineNumber(None), b"", Instant(0).after_ms(400)));
+        assert!(!upload.takes(Request::LineNumber(None), b"", parse, Instant(0).after_ms(200)));
+        assert!(upload.takes(Request::Command, b"G28", parse, Instant(0).after_ms(300)));
+        assert!(!upload.takes(Request::LineNumber(None), b"", parse, Instant(0).after_ms(400)));
         assert_eq!((upload.take_given_up(), upload.take_given_up(), upload.end()), (Some(1), None, None));
     }
 
@@ -165,14 +161,14 @@ mod tests {
     fn another_host_ends_it() {
         for asked in [Request::LineNumber(None), Request::Command] {
             let mut upload = begun();
-            assert!(!upload.takes(asked, b"m115 ", Instant(0).after_ms(BEGINS_WITHIN_MS)));
+            assert!(!upload.takes(asked, b"m115 ", parse, Instant(0).after_ms(BEGINS_WITHIN_MS)));
             assert_eq!(upload.take_given_up(), Some(0));
-            assert!(!upload.takes(Request::Command, b"G1 X5", Instant(0)));
+            assert!(!upload.takes(Request::Command, b"G1 X5", parse, Instant(0)));
         }
         // OctoPrint says it three times as it connects.
         let mut upload = begun();
-        assert!(!upload.takes(Request::LineNumber(None), b"", Instant(0)));
-        assert!(!upload.takes(Request::LineNumber(None), b"", Instant(0)));
+        assert!(!upload.takes(Request::LineNumber(None), b"", parse, Instant(0)));
+        assert!(!upload.takes(Request::LineNumber(None), b"", parse, Instant(0)));
         assert_eq!(upload.take_given_up(), Some(0));
     }
 }

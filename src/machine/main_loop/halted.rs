@@ -7,11 +7,11 @@
 
 use crate::driver;
 use crate::fault::Fault;
-use crate::gcode::{Command, MotionCommand, PlainWords, ReportCommand, SettingCommand};
+use crate::gcode::{Command, Mark};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::speaker::Progress;
 use crate::machine::hosts::host::Text;
-use crate::machine::hosts::request::Request;
+use crate::machine::hosts::request::{Parse, Request};
 use crate::machine::interrupt::Restart;
 use crate::machine::main_loop::{MainLoop, yield_once};
 use crate::machine::numbers::shortest;
@@ -25,6 +25,9 @@ const GREETING: Packed = packed!("echo:Printer halted. Send M999 or reset");
 
 /// M113: the time between two busy messages.
 const KEEPALIVE: u16 = 113;
+
+/// M105. The other command that is answered after a stop is M115.
+const TEMPERATURES: u16 = 105;
 
 /// Why the machine stopped.
 #[derive(Clone, Copy)]
@@ -47,21 +50,15 @@ fn report_killed(replies: &mut Replies, reason: Reason) -> Result<(), NoRoom> {
 }
 
 /// Whether hosts send this when they connect, and nothing is missing on the plate if it is not carried out.
-const fn is_said_on_connecting(command: &Command<'_>) -> bool {
-    if let Command::Own(command) = command {
-        return command.is_said_on_connecting();
+fn is_said_on_connecting(command: &Command<'_>) -> bool {
+    match command {
+        Command::Table(command) => command.has_mark(Mark::SaidOnConnecting) || command.is('M', KEEPALIVE),
+        command => matches!(command, Command::Silent),
     }
-    matches!(
-        command,
-        Command::Report(ReportCommand::Message)
-            | Command::Motion(MotionCommand::FeedPercent(_) | MotionCommand::Tool)
-            | Command::Setting(SettingCommand::Plain(PlainWords { code: KEEPALIVE, .. }))
-            | Command::Silent
-    )
 }
 
 /// The reply to a host that connected later; `None` for a command that would act.
-fn answer_halted(asked: Request, parse: fn(&[u8]) -> Command<'_>, text: &[u8]) -> Option<[Answer<'static>; 2]> {
+fn answer_halted(asked: Request, parse: Parse, text: &[u8]) -> Option<[Answer<'static>; 2]> {
     let greeting = Answer::Line(GREETING);
     Some(match asked {
         Request::LineNumber(number) => [greeting, Answer::LineNumber(number)],
@@ -70,8 +67,13 @@ fn answer_halted(asked: Request, parse: fn(&[u8]) -> Command<'_>, text: &[u8]) -
         Request::Question(last) => [Answer::Nothing, Answer::Question(last)],
         Request::TooLong => return None,
         Request::Command => match parse(text) {
-            Command::Report(ReportCommand::Temperatures) => [Answer::Nothing, Answer::Temperatures],
-            Command::Report(ReportCommand::ReportFirmware) => [Answer::Firmware, Answer::Ok],
+            Command::Table(command) if command.has_mark(Mark::AnsweredWhenStopped) => {
+                if command.is('M', TEMPERATURES) {
+                    [Answer::Nothing, Answer::Temperatures]
+                } else {
+                    [Answer::Firmware, Answer::Ok]
+                }
+            }
             command if is_said_on_connecting(&command) => [greeting, Answer::Ok],
             _ => return None,
         },
@@ -81,7 +83,7 @@ fn answer_halted(asked: Request, parse: fn(&[u8]) -> Command<'_>, text: &[u8]) -
 /// After a stop, until M999. Lines are read by `parse`.
 pub(in crate::machine) async fn stay_halted<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
-    parse: fn(&[u8]) -> Command<'_>,
+    parse: Parse,
 ) -> Restart {
     main_loop.status.set_halted();
     main_loop.stop_and_cut();
@@ -106,7 +108,7 @@ pub(in crate::machine) async fn stay_halted<P: PortSet, W: Wake>(
     main_loop.hosts.take_up();
     main_loop.hosts.note_answered();
     let (mut text, now) = (Text::new(), main_loop.now());
-    while main_loop.hosts.next_line(now, (0, &|| Activity::Paused), &mut text).is_some() {}
+    while main_loop.hosts.next_line(now, (0, &|| Activity::Paused), parse, &mut text).is_some() {}
     main_loop.hosts.greet(|replies| report_killed(replies, reason));
     // Hosts that came later.
     let mut are_new = [false; LINES];
@@ -114,7 +116,7 @@ pub(in crate::machine) async fn stay_halted<P: PortSet, W: Wake>(
         main_loop.poll_halted(&mut are_new).await;
         let now = main_loop.now();
         while !main_loop.is_to_restart
-            && let Some(asked) = main_loop.hosts.next_line(now, (0, &|| Activity::Paused), &mut text)
+            && let Some(asked) = main_loop.hosts.next_line(now, (0, &|| Activity::Paused), parse, &mut text)
         {
             let is_new = are_new.get_mut(main_loop.hosts.serving());
             let knows = is_new.is_some_and(|is_new| {

@@ -2,7 +2,7 @@
 
 use super::MainLoop;
 use crate::machine::hosts::host::Text;
-use crate::machine::hosts::request::Request;
+use crate::machine::hosts::request::{Parse, Request};
 use crate::machine::hosts::serving::Hosts;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::ports::PortSet;
@@ -23,10 +23,10 @@ impl<P: PortSet, W: Wake> MainLoop<'_, P, W> {
     }
 
     /// The next request of a host; a command's text is put into `text`.
-    pub fn next_line(&mut self, text: &mut Text) -> Option<Request> {
+    pub fn next_line(&mut self, parse: Parse, text: &mut Text) -> Option<Request> {
         let Self { hosts, motion, job, .. } = self;
         let activity = || activity(motion.has_motion(), motion.has_waited(), job);
-        let asked = hosts.next_line(self.turn_began, (u32::from(self.settings.patience_ms), &activity), text);
+        let asked = hosts.next_line(self.turn_began, (u32::from(self.settings.patience_ms), &activity), parse, text);
         self.status.set_awaiting_input(asked.is_none() && self.job.line().kept().is_none());
         asked
     }

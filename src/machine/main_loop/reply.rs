@@ -8,7 +8,6 @@ use crate::connectors::Heater;
 use crate::gcode::{Absent, Flaw, Named, Part};
 use crate::kinematics::Grouping;
 use crate::machine::answers::answer::Answer;
-use crate::machine::answers::message::Message;
 use crate::machine::answers::setting::Setting;
 use crate::machine::answers::speaker::{Progress, Speaker};
 use crate::machine::hosts::schedule::Report;
@@ -155,10 +154,8 @@ impl<'m, P: PortSet, W: Wake> MainLoop<'m, P, W> {
                 to.say(text!("echo:corehbot {}", env!("CARGO_PKG_VERSION")));
             }
             Answer::Line(line) => to.say(text!("{line}")),
-            Answer::Message(form, text) => {
-                // Not as a text: what a host said is not unpacked.
-                to.put(&|replies| replies.line(format_args!("{}", Message { form, text })));
-            }
+            // Not as a text: what a host said is not unpacked.
+            Answer::Message(message) => to.put(&|replies| replies.line(format_args!("{message}"))),
             // Marlin's words (language.h, STR_SD_OPEN_FILE_FAIL).
             Answer::NoCard(name) => {
                 let name = Echo(name);

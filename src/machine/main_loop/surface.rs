@@ -5,6 +5,7 @@
 //!
 //! | | |
 //! |---|---|
+//! | [`use_mesh`] | for commands: z follows the mesh, or not |
 //! | [`take_known_mesh`] | for commands: another mesh; they have set whether z follows it |
 //! | [`leave_surface`] | at the begin of a command that goes in real z, as homing and probing do |
 //! | [`keep_to_surface`] | after each command, however it ended: the Console calls it |
@@ -30,6 +31,16 @@ pub(in crate::machine) async fn take_known_mesh<P: PortSet, W: Wake>(
     leave_surface(main_loop).await?;
     main_loop.motion.set_mesh(main_loop.bed.mesh().map(|known| &known.mesh));
     keep_to_surface(main_loop).await
+}
+
+/// Uses the mesh from now on, or not; motion rests before.
+pub(in crate::machine) async fn use_mesh<P: PortSet, W: Wake>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    on: bool,
+) -> Result<(), Interrupt> {
+    main_loop.finish().await?;
+    main_loop.live_settings().set_mesh_on(on);
+    take_known_mesh(main_loop).await
 }
 
 /// Until the end of the command, positions are real ones.

@@ -2,8 +2,7 @@
 
 use super::settings_report::report_shaper;
 use crate::accelerometer::SensorFault;
-use crate::gcode::SweepAxis;
-use crate::machine::answers::resonance_answer::{Mode, RawSample, ResonanceAnswer, Suggested};
+use crate::machine::answers::resonance_answer::{Mode, RawSample, ResonanceAnswer, Suggested, SweepAxis};
 use crate::machine::answers::speaker::Speaker;
 use crate::machine::numbers::{Thousandths, shortest};
 use crate::settings::HomedAxis;

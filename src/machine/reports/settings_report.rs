@@ -3,15 +3,15 @@
 
 use super::heat_settings_report::report_heat_settings;
 use super::plain_setting::PlainSetting;
-use crate::gcode::{Number, ShaperName};
+use crate::gcode::Number;
 use crate::machine::answers::driver_value::DriverValue;
 use crate::machine::answers::setting::Setting;
 use crate::machine::answers::speaker::Speaker;
 use crate::machine::answers::words::Words;
-use crate::machine::numbers::{exact, shortest};
+use crate::machine::numbers::{SHAPERS, exact, shortest};
 use crate::machine::state::retraction::RetractionSettings;
 use crate::motion::advance_window;
-use crate::settings::{AxisEnd, Bed, Belt, HomedAxis, Pause, Range, Settings, Shaper, ShaperKind, WholePlace};
+use crate::settings::{AxisEnd, Bed, Belt, HomedAxis, Pause, Range, Settings, Shaper, WholePlace};
 use crate::units::Mm;
 use core::fmt::{self, Display, Formatter};
 
@@ -219,22 +219,10 @@ fn report_own_values(to: &mut Speaker<'_>, value: DriverValue, s: &Settings) {
     }
 }
 
-/// The name of a kind of shaper in M593, if it has one.
-const fn name_of(kind: ShaperKind) -> Option<ShaperName> {
-    match kind {
-        ShaperKind::None => None,
-        ShaperKind::Zv => Some(ShaperName::Zv),
-        ShaperKind::Zvd => Some(ShaperName::Zvd),
-        ShaperKind::Mzv => Some(ShaperName::Mzv),
-        ShaperKind::Ei => Some(ShaperName::Ei),
-        ShaperKind::TwoHumpEi => Some(ShaperName::TwoHumpEi),
-    }
-}
-
 /// M503, a line of M593.
 pub(super) fn report_shaper(to: &mut Speaker<'_>, axis: char, shaper: Shaper) {
     let (frequency, damping) = (shortest(shaper.frequency), shortest(shaper.damping));
-    match name_of(shaper.kind).map(|name| name as usize) {
+    match SHAPERS.into_iter().position(|kind| kind == shaper.kind) {
         Some(number) => to.setting(text!("M593 {axis} F{frequency} D{damping} T{number}")),
         None => to.setting(text!("M593 {axis} F0")),
     }

@@ -6,8 +6,7 @@
 use super::plan::parts_of;
 use super::response::Response;
 use crate::accelerometer::{Sample, SensorFault};
-use crate::gcode::SweepAxis;
-use crate::machine::answers::resonance_answer::RawSample;
+use crate::machine::answers::resonance_answer::{RawSample, SweepAxis};
 use crate::motion::{Piece, Pieces, Sweep};
 use crate::port::Accelerometer;
 use crate::settings::{AccelerometerSettings, Cartesian};

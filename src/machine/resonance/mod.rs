@@ -23,8 +23,17 @@
 //! | noise | standard deviation of the samples while the tool rests |
 
 mod choice;
+pub(in crate::machine) mod commands;
 mod listen;
 mod modes;
-mod plan;
+pub(in crate::machine) mod plan;
 mod response;
 pub(in crate::machine) mod test;
+
+use crate::gcode::{Entry, TableCommand};
+use crate::machine::answers::answer::Answer;
+use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
+use crate::machine::ports::PortSet;
+use crate::machine::states::States;
+use crate::port::Wake;

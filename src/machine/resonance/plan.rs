@@ -1,7 +1,7 @@
 //! Plan: the sweep that a line wants, and whether the machine can make it where the tool stands.
 
-use crate::gcode::{SweepAxis, SweepWords};
-use crate::machine::answers::resonance_answer::ResonanceAnswer;
+use crate::gcode::Number;
+use crate::machine::answers::resonance_answer::{ResonanceAnswer, SweepAxis};
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
@@ -10,6 +10,29 @@ use crate::motion::Sweep;
 use crate::port::Wake;
 use crate::settings::{HomedAxis, Range, Settings};
 use crate::units::{Hertz, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, mul_div, part_of};
+
+/// The words of TEST_RESONANCES and SHAPER_CALIBRATE.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub(in crate::machine) struct SweepWords {
+    /// AXIS.
+    pub axis: SweepAxis,
+    /// FREQ_START, Hz.
+    pub from: Option<Number>,
+    /// FREQ_END, Hz.
+    pub to: Option<Number>,
+    /// ACCEL_PER_HZ, mm/s2 per Hz.
+    pub accel_per_hz: Option<Number>,
+    /// HZ_PER_SEC.
+    pub hz_per_s: Option<Number>,
+    /// SWEEPING_ACCEL, mm/s2.
+    pub swing: Option<Number>,
+    /// SWEEPING_PERIOD, s; 0 is none.
+    pub period: Option<Number>,
+    /// OUTPUT=raw_data: every sample goes to the host.
+    pub wants_raw: bool,
+    /// It is SHAPER_CALIBRATE.
+    pub chooses: bool,
+}
 
 /// Frequencies: below, a pulse is longer than the generator's longest span; above, the blocks have no vibration.
 const FREQUENCY: Range<Hertz> = Range { least: Hertz::const_from_int(5), most: Hertz::const_from_int(150) };

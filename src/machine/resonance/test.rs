@@ -6,12 +6,11 @@
 use super::choice::Search;
 use super::listen::{AT_ONCE, Listener, MOST_NOISE};
 use super::modes::{MOST as MOST_MODES, modes, shaken};
-use super::plan::{extremes, refusal, wanted, weaken};
+use super::plan::{SweepWords, extremes, refusal, wanted, weaken};
 use super::response::{Response, step_hz};
 use crate::accelerometer::SensorFault;
-use crate::gcode::{SweepAxis, SweepWords};
 use crate::machine::answers::answer::Answer;
-use crate::machine::answers::resonance_answer::{Mode, ResonanceAnswer};
+use crate::machine::answers::resonance_answer::{Mode, ResonanceAnswer, SweepAxis};
 use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;

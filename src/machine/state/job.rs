@@ -44,7 +44,7 @@ enum Phase {
 /// Why a job ends although the machine stays as it is: there is no damage that a reset would repair.
 ///
 /// A command that finds such a reason [notes](Job::note_end) it and returns `Interrupt::EndJob`, at any depth of calls.
-/// The dispatch handles all of them in one place (`commands::job`). Hosts are asked to cancel, with words that make
+/// The dispatch handles all of them in one place (`print::job`). Hosts are asked to cancel, with words that make
 /// none of them disconnect. Heaters go off, the program's state becomes a new one, and the old stream has no effect any
 /// more.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -1,6 +1,6 @@
 //! What is known of the bed: its mesh, and the area that the print needs.
 
-use crate::gcode::{Number, places};
+use crate::gcode::Number;
 use crate::settings::Range;
 use crate::storage::StoredMesh;
 use crate::surface::Mesh;
@@ -135,6 +135,31 @@ impl PrintArea {
         self.is_cut |= count(b'[') != count(b']');
         places(outline).for_each(|place| self.add(place.map(|number: Number| Mm::saturating_from_num(number.value()))));
     }
+}
+
+/// The pairs of numbers in the outline of an object: `[[5,5],[15,5]]`, or `10,10`. It ends at a blank outside of
+/// brackets.
+fn places(outline: &[u8]) -> impl Iterator<Item = [Number; 2]> + '_ {
+    let mut left = outline;
+    let mut depth = 0;
+    let mut next = move || {
+        loop {
+            let (&byte, rest) = left.split_first()?;
+            match byte {
+                b'[' => depth += 1,
+                b']' => depth -= 1,
+                b' ' | b'\t' if depth <= 0 => return None,
+                b'-' | b'+' | b'.' | b'0'..=b'9' => {
+                    let (number, behind) = Number::read(left)?;
+                    left = behind;
+                    return Some(number);
+                }
+                _ => {}
+            }
+            left = rest;
+        }
+    };
+    core::iter::from_fn(move || Some([next()?, next()?]))
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! State: values that earlier lines set, the known state of the machine, and the out-of-range values of the present
 //! line.
 //!
-//! Each struct owns its fields. The main loop holds state that changes while a command waits. `commands::states` holds
+//! Each struct owns its fields. The main loop holds state that changes while a command waits. `machine::states` holds
 //! the rest: each family in `commands` passes a command the structs that it needs. Pure: nothing here knows either.
 //!
 //! | looking for | see |
@@ -40,6 +40,7 @@
 pub(in crate::machine) mod advance_in_use;
 pub(in crate::machine) mod circulation;
 pub(in crate::machine) mod clamps;
+pub(in crate::machine) mod cold_extrusion;
 pub(in crate::machine) mod commanded;
 pub(in crate::machine) mod fan_schedule;
 pub(in crate::machine) mod first_layer;

@@ -14,7 +14,17 @@
 use super::commanded::Commanded;
 use super::modal::Modal;
 use super::program::{Dynamics, Program};
-use crate::gcode::{ArcWords, AxisWords, Command, MotionCommand, Nature};
+use crate::gcode::{ArcWords, AxisWords, Command, MoveCommand};
+
+/// G28.
+const HOME: u16 = 28;
+
+/// G91, G90, M83, M82.
+const RELATIVE: (char, u16) = ('G', 91);
+const ABSOLUTE: (char, u16) = ('G', 90);
+const RELATIVE_EXTRUSION: (char, u16) = ('M', 83);
+const ABSOLUTE_EXTRUSION: (char, u16) = ('M', 82);
+const MODES: [(char, u16); 4] = [RELATIVE, ABSOLUTE, RELATIVE_EXTRUSION, ABSOLUTE_EXTRUSION];
 
 /// Which lines of the print's host are not the stream's for now.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -85,10 +95,10 @@ impl PausedStream {
     }
 
     /// A line that is not the stream's is carried out.
-    pub const fn note_foreign(&mut self, command: &Command<'_>) {
+    pub fn note_foreign(&mut self, command: &Command<'_>) {
         let is_of_program = match command {
-            Command::Motion(_) | Command::Setting(_) => true,
-            Command::Own(command) => matches!(command.nature(), Nature::Mode),
+            Command::Move(_) => true,
+            Command::Table(command) => command.is_of_program(),
             _ => false,
         };
         if is_of_program {
@@ -108,28 +118,27 @@ impl PausedStream {
     /// A line of the stream, or of a detour, was carried out and has led there. True if it has ended a detour.
     pub fn note_own(&mut self, command: &Command<'_>, modal: &Modal, commanded: &Commanded, limits: &Dynamics) -> bool {
         let before = self.detour;
-        self.detour = match (before, command) {
-            (_, Command::Motion(MotionCommand::Relative)) => Detour::Moves,
-            (Detour::Moves, Command::Motion(MotionCommand::Absolute)) => Detour::None,
-            (Detour::None, Command::Motion(MotionCommand::RelativeExtrusion)) => Detour::Filament(false),
-            (Detour::None, Command::Motion(MotionCommand::AbsoluteExtrusion))
-                if self.program.is_some_and(|program| !program.modal.absolute_extrusion) =>
-            {
+        let is_extrusion_absolute = self.program.is_some_and(|program| program.modal.absolute_extrusion);
+        self.detour = match (before, mode_of(command)) {
+            (_, Some(RELATIVE)) => Detour::Moves,
+            (Detour::Moves, Some(ABSOLUTE)) => Detour::None,
+            (Detour::None, Some(RELATIVE_EXTRUSION)) => Detour::Filament(false),
+            (Detour::None, Some(ABSOLUTE_EXTRUSION)) if self.program.is_some() && !is_extrusion_absolute => {
                 Detour::Filament(true)
             }
-            (Detour::Filament(false), Command::Motion(MotionCommand::AbsoluteExtrusion))
-            | (Detour::Filament(true), Command::Motion(MotionCommand::RelativeExtrusion)) => Detour::None,
+            (Detour::Filament(false), Some(ABSOLUTE_EXTRUSION))
+            | (Detour::Filament(true), Some(RELATIVE_EXTRUSION)) => Detour::None,
             _ => before,
         };
         let Some(program) = &mut self.program else { return false };
         match command {
             // In a detour of the filament, moves may be the stream's; those with filament are a button's.
-            Command::Motion(MotionCommand::Line { to, .. } | MotionCommand::Arc(ArcWords { to, .. }))
+            Command::Move(MoveCommand::Line { to, .. } | MoveCommand::Arc(ArcWords { to, .. }))
                 if before != Detour::Moves && (before == Detour::None || to.e.is_none()) =>
             {
                 follow(&mut program.commanded, to, commanded);
             }
-            Command::Motion(MotionCommand::Home(_)) => return false,
+            Command::Table(command) if command.is('G', HOME) => return false,
             _ => {}
         }
         if (before, self.detour) == (Detour::None, Detour::None) {
@@ -139,6 +148,12 @@ impl PausedStream {
         }
         before != Detour::None && self.detour == Detour::None
     }
+}
+
+/// The code of a line that changes a mode which a detour is known by.
+fn mode_of(command: &Command<'_>) -> Option<(char, u16)> {
+    let Command::Table(command) = command else { return None };
+    MODES.into_iter().find(|(letter, number)| command.is(*letter, *number))
 }
 
 /// A program that stands where `at` does, and counts as `counts`: E, its zero, a retraction.

@@ -2,7 +2,7 @@
 
 use core::fmt::{self, Formatter, Write};
 
-use corehbot::gcode::{AxisFlags, AxisWords, Number, ParkWords, VelocityWords};
+use corehbot::gcode::{AxisWords, Number};
 
 /// A line of letters and numbers with the last word of each letter, without comments and texts in quotes.
 pub fn reduced(f: &mut Formatter<'_>, line: &[u8]) -> fmt::Result {
@@ -58,39 +58,6 @@ pub fn write_text(f: &mut Formatter<'_>, text: &[u8]) -> fmt::Result {
     })
 }
 
-/// SET_VELOCITY_LIMIT with its words.
-pub fn velocity_limit(f: &mut Formatter<'_>, limit: VelocityWords<'_>) -> fmt::Result {
-    f.write_str("SET_VELOCITY_LIMIT")?;
-    for (name, number) in [
-        ("ACCEL", limit.acceleration),
-        ("ACCEL_TO_DECEL", limit.to_deceleration),
-        ("MINIMUM_CRUISE_RATIO", limit.cruise_ratio),
-        ("SQUARE_CORNER_VELOCITY", limit.square_corner),
-    ] {
-        if let Some(number) = number {
-            write!(f, " {name}={number}")?;
-        }
-    }
-    if let Some(name) = limit.other {
-        f.write_str(" ")?;
-        write_text(f, name)?;
-        f.write_str("=0")?;
-    }
-    Ok(())
-}
-
-/// A command with the words of a parking place.
-pub fn parked(f: &mut Formatter<'_>, code: &str, back: char, park: ParkWords) -> fmt::Result {
-    f.write_str(code)?;
-    for (letter, number) in [('X', park.x), ('Y', park.y), ('Z', park.z), (back, park.e), ('R', park.target)] {
-        word(f, letter, number)?;
-    }
-    for (letter, number) in [('U', park.unload), ('L', park.load)] {
-        word(f, letter, number)?;
-    }
-    park.other.map_or(Ok(()), |letter| write!(f, " {}0", letter as char))
-}
-
 /// One word, if it has a value.
 pub fn word(f: &mut Formatter<'_>, letter: char, number: Option<Number>) -> fmt::Result {
     match number {
@@ -105,29 +72,6 @@ pub fn axes(f: &mut Formatter<'_>, words: AxisWords) -> fmt::Result {
     word(f, 'Y', words.y)?;
     word(f, 'Z', words.z)?;
     word(f, 'E', words.e)
-}
-
-/// A command of axis words alone.
-pub fn axis_line(f: &mut Formatter<'_>, code: &str, words: AxisWords) -> fmt::Result {
-    f.write_str(code)?;
-    axes(f, words)
-}
-
-/// A command with an S word or nothing.
-pub fn switch(f: &mut Formatter<'_>, code: &str, value: Option<Number>) -> fmt::Result {
-    f.write_str(code)?;
-    word(f, 'S', value)
-}
-
-/// A command of axis names.
-pub fn flags(f: &mut Formatter<'_>, code: &str, named: AxisFlags) -> fmt::Result {
-    f.write_str(code)?;
-    for (is_named, name) in [(named.x, " X"), (named.y, " Y"), (named.z, " Z"), (named.e, " E")] {
-        if is_named {
-            f.write_str(name)?;
-        }
-    }
-    Ok(())
 }
 
 /// The decimals of a word.

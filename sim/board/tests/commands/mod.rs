@@ -1,14 +1,13 @@
-//! Every command that slicers and hosts send, with its answer, as a table.
+//! Every command that slicers and hosts send, with its answer.
 //!
-//! The rows are the commands that a printer of this dialect must or should know. The machine of this test has no
-//! heaters, no probe and no storage; so their rows have the messages about that.
+//! Lines and answers are the examples in the files of the commands. The machine of this test has no heaters, no probe
+//! and no storage; so their examples have the messages about that.
 
 mod answers;
 mod asker;
 mod capabilities;
 mod effects;
 mod known;
-pub mod table;
 
 use crate::common::deaf;
 use crate::common::plain_lines;

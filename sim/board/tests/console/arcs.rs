@@ -1,4 +1,4 @@
-//! Arcs with rounded ends: they are made, with the intended length. `machine::commands::arcs::slicers` has thousands.
+//! Arcs with rounded ends: they are made, with the intended length. `machine::travel::arcs::slicers` has thousands.
 
 use super::talk::talk_to;
 use corehbot::settings::Settings;

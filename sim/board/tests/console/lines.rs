@@ -1,7 +1,8 @@
 //! Lines: each is answered once, whatever it holds. Conditions end the print: `commands/effects.rs`.
 
 use super::talk::{HOMED, keep, talk, talk_to};
-use corehbot::gcode::{Command, JobCommand, MotionCommand, RefusedCommand, parse};
+use corehbot::gcode::Command;
+use corehbot::machine::parse;
 use corehbot::settings::Settings;
 use corehbot_sim::eeprom::Eeprom;
 use proptest::prelude::*;
@@ -67,13 +68,11 @@ fn a_bad_line_costs_a_resend_and_nothing_else() {
 /// Whether a print stops at a line, or waits there for the user or for the time in the line. It would also wait for
 /// heaters, but there are none.
 fn stops(line: &str) -> bool {
+    const STOPPING: [(char, u16); 9] =
+        [('G', 4), ('M', 0), ('M', 1), ('M', 25), ('M', 112), ('M', 125), ('M', 600), ('M', 601), ('M', 999)];
     let stops = match parse(line.as_bytes()) {
-        Command::Motion(command) => matches!(command, MotionCommand::Dwell { .. }),
-        Command::Job(command) => {
-            use JobCommand::{AwaitUser, EmergencyStop, Pause, Restart};
-            matches!(command, AwaitUser { .. } | EmergencyStop | Pause { .. } | Restart)
-        }
-        Command::Refused(command) => command == RefusedCommand::Conditional,
+        Command::Table(command) => STOPPING.into_iter().any(|(letter, number)| command.is(letter, number)),
+        Command::Condition => true,
         _ => false,
     };
     // M112 is heard wherever it stands in a line; the two signs make a host wait.

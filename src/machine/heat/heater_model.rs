@@ -1,0 +1,120 @@
+//! M306: the model of a heater; with T it is tuned.
+//!
+//! A heater is controlled by its model or by PID. The model is the default; M301 or M304 with a gain selects PID
+//! (`setup::rules`), and M306 with a number selects the model again. M503 says the one in use last
+//! (`reports::heat_settings_report`).
+
+use super::heater_settings::heater_of;
+use super::heating::model_of;
+use super::{Answer, Entry, MainLoop, PortSet, States, TableCommand, Wake};
+use crate::gcode::Grammar;
+use crate::machine::answers::next_step::{NextStep, TuningWords};
+use crate::machine::answers::setting::HeatSetting;
+use crate::machine::numbers::rate;
+use crate::settings::{Control, Plausible, Range, ranges};
+use crate::units::{Ratio, Seconds};
+
+/// The letters of its numbers.
+const NUMBERS: &[u8] = b"PCAFRLH";
+
+pub(in crate::machine) const ENTRY: Entry = Entry::m("Heat and fans", &[306])
+    .works_if(|command| command.has(b'T'))
+    .grammar(&Grammar::numbers(b"EPCAFRLH"))
+    .does("E P C A F R L H", "model of a heater; T tunes; or reports")
+    .examples(&[
+        ("M306", &["echo:no heaters configured, ignored"]),
+        ("M306 E-1 A3", &["echo:no heaters configured, ignored"]),
+        ("M306 E5", &["echo:line ignored: E is 0 (hotend), -1 (bed) or -2 (chamber)"]),
+    ]);
+
+/// The reciprocal of the shortest legal time constant, in 1/s.
+const FASTEST: Ratio = Ratio::const_from_int(10);
+
+/// F is the whole loss with the part fan at full speed, as in Marlin. The legal range depends on the kind of heater and
+/// on its power, which the same line may set. Without E it is the hotend's, and says so.
+pub(in crate::machine) fn carry_out<'a, P: PortSet, W: Wake>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    States { clamps, .. }: &mut States,
+    command: &TableCommand<'a>,
+) -> Answer<'a> {
+    let heater = heater_of(command);
+    if command.has(b'T') {
+        let words = TuningWords { heater, target: None, cycles: None, applies: true };
+        return Answer::Then(NextStep::Tune(words));
+    }
+    let heater = match model_of(&main_loop.settings.thermal, heater) {
+        Ok(heater) => heater,
+        Err(answer) => return answer,
+    };
+    // The open line ends, whether values are legal or not.
+    main_loop.heat_settings();
+    if NUMBERS.iter().all(|letter| command.number(*letter).is_none()) {
+        return Answer::HeatSetting(HeatSetting::Model(heater));
+    }
+    let mut wanted = main_loop.settings.thermal;
+    let settings = wanted.heater_mut(heater);
+    if let Some(number) = command.number(b'P') {
+        clamps.near(["M306", "P"], number, Plausible::of(heater, settings.power).power, &mut settings.power);
+    }
+    let plausible = Plausible::of(heater, settings.power);
+    let model = &mut settings.model;
+    if let Some(number) = command.number(b'C') {
+        clamps.near(["M306", "C"], number, plausible.capacity, &mut model.capacity);
+    }
+    if let Some(number) = command.number(b'A') {
+        clamps.near(["M306", "A"], number, plausible.loss, &mut model.loss);
+    }
+    if let Some(number) = command.number(b'F') {
+        let mut whole = model.loss.saturating_add(model.fan_loss);
+        clamps.near(["M306", "F"], number, plausible.whole_loss(model.loss), &mut whole);
+        model.fan_loss = whole.saturating_sub(model.loss);
+    }
+    if let Some(number) = command.number(b'R') {
+        let old = rate(model.sensor_lag);
+        let rates = Range { least: rate(plausible.lag.most), most: FASTEST };
+        if let Some(rate) = clamps.near_of(["M306", "R"], number, rates, Some(old)) {
+            model.sensor_lag = plausible.lag.clamp(reciprocal(rate));
+        }
+    }
+    if let Some(number) = command.number(b'L') {
+        clamps.near(["M306", "L"], number, plausible.lag, &mut model.heater_lag);
+    }
+    // A new power alone may leave the other numbers outside their ranges.
+    let is_plausible = plausible.beyond(settings.power, model).next().is_none();
+    settings.control = Control::Model;
+    if let Some(number) = command.number(b'H') {
+        clamps.near(["M306", "H"], number, ranges::FILAMENT, &mut wanted.filament);
+    }
+    if clamps.refuses_line() {
+        return Answer::Nothing;
+    }
+    if !is_plausible {
+        return Answer::Line(packed!(
+            "echo:M306 ignored: this model does not fit this power, set P, C, A, F, R and L in one line"
+        ));
+    }
+    *main_loop.heat_settings() = wanted;
+    if command.has(b'E') {
+        Answer::Nothing
+    } else {
+        Answer::Line(packed!("echo:M306 without E is the hotend's (E0); E-1 is the bed, E-2 the chamber"))
+    }
+}
+
+/// The time constant of a rate in 1/s.
+fn reciprocal(rate: Ratio) -> Seconds {
+    Seconds::from_bits(((1u64 << 40) / u64::from(rate.to_bits().max(1))).min(u64::from(u32::MAX)) as u32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lag_and_its_rate_read_back() {
+        for ms in [20, 100, 1200, 5000, 20_000, 200_000] {
+            let shown = rate(Seconds::from_num(f64::from(ms) / 1000.0));
+            assert_eq!(rate(reciprocal(shown)), shown, "{ms}");
+        }
+    }
+}

@@ -1,0 +1,239 @@
+//! Stored settings: M500, M501, M502, M504, and the record of a passed self-test. Stored settings take effect at the
+//! start.
+
+use crate::machine::answers::answer::Answer;
+use crate::machine::answers::mesh_answer::MeshAnswer;
+use crate::machine::answers::storage_news::StorageNews;
+use crate::machine::apart::apart;
+use crate::machine::interrupt::Interrupt;
+use crate::machine::main_loop::MainLoop;
+use crate::machine::ports::PortSet;
+use crate::machine::state::machine_pieces::MachinePieces;
+use crate::machine::states::States;
+use crate::port::{BoardFacts, Storage, StorageError, Wake};
+use crate::settings::Settings;
+use crate::storage::{self, LONGEST, MeshFate, Receipt, SaveError, Survey};
+use crate::units::Mm;
+use core::pin::pin;
+
+/// The storage, with one turn of the main loop after every transfer, so that M112 acts while settings are being saved.
+pub(in crate::machine) struct Paced<'c, 'm, P: PortSet, W: Wake> {
+    main_loop: &'c mut MainLoop<'m, P, W>,
+    interrupt: Option<Interrupt>,
+}
+
+impl<'c, 'm, P: PortSet, W: Wake> Paced<'c, 'm, P, W> {
+    pub(in crate::machine) const fn new(main_loop: &'c mut MainLoop<'m, P, W>) -> Self {
+        Self { main_loop, interrupt: None }
+    }
+
+    /// An interrupt ends the transfers, except an M410 without a motion to stop.
+    async fn go_round(&mut self) -> Result<(), StorageError> {
+        match self.main_loop.poll().await {
+            Err(interrupt)
+                if matches!(interrupt, Interrupt::Halt | Interrupt::Limp) || self.main_loop.motion.has_motion() =>
+            {
+                self.interrupt = Some(interrupt);
+                Err(StorageError::Failed)
+            }
+            Err(_) | Ok(()) => Ok(()),
+        }
+    }
+
+    /// The interrupt that ended the transfers early, if there was one.
+    pub(in crate::machine) fn into_result(self) -> Result<(), Interrupt> {
+        match self.interrupt {
+            Some(interrupt) => Err(interrupt),
+            None => Ok(()),
+        }
+    }
+}
+
+impl<P: PortSet, W: Wake> Storage for Paced<'_, '_, P, W> {
+    fn capacity(&self) -> u32 {
+        self.main_loop.storage.capacity()
+    }
+
+    async fn read(&mut self, at: u32, into: &mut [u8]) -> Result<(), StorageError> {
+        self.main_loop.storage.read(at, into).await?;
+        self.go_round().await
+    }
+
+    async fn write(&mut self, at: u32, bytes: &[u8]) -> Result<(), StorageError> {
+        self.main_loop.storage.write(at, bytes).await?;
+        self.go_round().await?;
+        while !self.main_loop.storage.is_done()? {
+            self.go_round().await?;
+        }
+        Ok(())
+    }
+
+    fn image(&self) -> Option<u32> {
+        self.main_loop.storage.image()
+    }
+}
+
+/// Looks into the storage for settings of this mechanism.
+async fn survey<P: PortSet, W: Wake>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    record: &mut [u8; LONGEST],
+) -> Result<Result<Survey, StorageError>, Interrupt> {
+    let own = main_loop.settings.defaults().mechanism;
+    let mut paced = Paced::new(main_loop);
+    let survey = storage::survey_with(&mut paced, Some(own), record).await;
+    paced.into_result()?;
+    Ok(survey)
+}
+
+/// Loads the stored settings, before the first `start`, and returns the news to send after it: a host listens only
+/// then. A machine without storage has no news, and on a board without a machine no stored settings count.
+pub(in crate::machine) async fn load_at_start<P: PortSet, W: Wake>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    states: &mut States,
+) -> Result<Answer<'static>, Interrupt> {
+    let survey = match survey(main_loop, states.pieces.begin()).await? {
+        Ok(survey) => survey,
+        Err(StorageError::Absent) => return Ok(Answer::Nothing),
+        Err(error) => return Ok(Answer::Storage(StorageNews::Unreadable(error))),
+    };
+    if main_loop.board.refusal().is_some() {
+        return Ok(Answer::Nothing);
+    }
+    if let Some(stored) = &survey.newest {
+        main_loop.use_settings(&stored.settings).await?;
+        main_loop.first_layer.note_stored(&main_loop.settings);
+    }
+    let mut paced = Paced::new(main_loop);
+    let passed = storage::passed_test(&mut paced).await;
+    paced.into_result()?;
+    // A note that cannot be read costs a test, and no more.
+    main_loop.heat.know_passed_test(passed.unwrap_or_default());
+    let mut paced = Paced::new(main_loop);
+    let loads = storage::belt_loads(&mut paced).await;
+    paced.into_result()?;
+    main_loop.trimming.know_loads(loads.unwrap_or_default());
+    Ok(Answer::Storage(StorageNews::loaded(&survey)))
+}
+
+/// Notes the self-test that was passed, for starts to come.
+pub(in crate::machine) async fn note_self_test<P: PortSet, W: Wake>(
+    main_loop: &mut MainLoop<'_, P, W>,
+) -> Result<(), Interrupt> {
+    let Some(tested) = main_loop.heat.take_passed_test() else { return Ok(()) };
+    let mut paced = Paced::new(main_loop);
+    let _ = storage::note_passed_test(&mut paced, tested).await;
+    paced.into_result()
+}
+
+/// Notes the load that a mm of strain takes of belt motors, if it is another one than noted.
+pub(in crate::machine) async fn note_belt_loads<P: PortSet, W: Wake>(
+    main_loop: &mut MainLoop<'_, P, W>,
+) -> Result<(), Interrupt> {
+    let Some(loads) = main_loop.trimming.take_new_loads() else { return Ok(()) };
+    main_loop.finish().await?;
+    let mut paced = Paced::new(main_loop);
+    let _ = storage::note_belt_loads(&mut paced, loads).await;
+    paced.into_result()
+}
+
+/// M500. Another machine that waits for the next reset is not written over, and a board without a machine does not
+/// become one.
+pub(in crate::machine) async fn save_settings<P: PortSet, W: Wake>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    pieces: &mut MachinePieces,
+) -> Result<StorageNews, Interrupt> {
+    if pieces.is_stored {
+        return Ok(StorageNews::MachineWaits);
+    }
+    if let Some(why) = main_loop.board.refusal() {
+        return Ok(StorageNews::NoMachine(why));
+    }
+    let settings = *main_loop.settings;
+    Ok(save(main_loop, &settings, pieces.begin()).await?.map_or_else(StorageNews::NotSaved, StorageNews::Saved))
+}
+
+/// Stores settings, in a place for a record. The machine is at rest: storage may be flash, and erasing flash stops the
+/// processor.
+pub(in crate::machine) async fn save<P: PortSet, W: Wake>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    settings: &Settings,
+    record: &mut [u8; LONGEST],
+) -> Result<Result<Receipt, SaveError>, Interrupt> {
+    main_loop.finish().await?;
+    apart(pin!(take_mesh_along(main_loop, settings, record))).await?;
+    let mut paced = Paced::new(main_loop);
+    let saved = storage::save_with(&mut paced, settings, record).await;
+    paced.into_result()?;
+    if saved.is_ok() {
+        main_loop.first_layer.note_stored(settings);
+    }
+    Ok(saved)
+}
+
+/// The kept mesh becomes one of the settings that are about to be stored, or its end is told.
+async fn take_mesh_along<P: PortSet, W: Wake>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    settings: &Settings,
+    record: &mut [u8; LONGEST],
+) -> Result<(), Interrupt> {
+    let mut paced = Paced::new(main_loop);
+    let is_of_others = storage::is_of_others(&mut paced, settings).await;
+    paced.into_result()?;
+    if is_of_others != Ok(true) {
+        return Ok(());
+    }
+    let Ok(stored) = survey(main_loop, record).await? else { return Ok(()) };
+    let before = stored.newest.as_ref().map_or(main_loop.settings.defaults(), |stored| &stored.settings);
+    let mut paced = Paced::new(main_loop);
+    let fate = storage::follow_settings(&mut paced, before, settings).await;
+    paced.into_result()?;
+    let news = match fate {
+        Ok(MeshFate::Stays) => return Ok(()),
+        Ok(MeshFate::Moves(by)) if by == [Mm::ZERO; 2] => return Ok(()),
+        Ok(MeshFate::Moves(by)) => MeshAnswer::Moved(by),
+        Ok(MeshFate::Ends) => MeshAnswer::Ends,
+        Err(why) => MeshAnswer::NotKept(why),
+    };
+    main_loop.tell(Answer::Mesh(news));
+    Ok(())
+}
+
+/// M501. Storage without valid settings gives the defaults, storage that does not answer changes nothing; nor does a
+/// board without a machine.
+pub(in crate::machine) async fn load_settings<P: PortSet, W: Wake>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    pieces: &mut MachinePieces,
+) -> Result<StorageNews, Interrupt> {
+    if let Some(why) = main_loop.board.refusal() {
+        return Ok(StorageNews::NotLoaded(why));
+    }
+    main_loop.finish().await?;
+    let survey = match survey(main_loop, pieces.begin()).await? {
+        Ok(survey) => survey,
+        Err(error) => return Ok(StorageNews::Unchanged(error)),
+    };
+    let settings = survey.newest.as_ref().map_or(main_loop.settings.defaults(), |stored| &stored.settings);
+    main_loop.use_settings(settings).await?;
+    main_loop.first_layer.note_stored(&main_loop.settings);
+    Ok(StorageNews::loaded(&survey))
+}
+
+/// M502.
+pub(in crate::machine) async fn reset_settings<P: PortSet, W: Wake>(
+    main_loop: &mut MainLoop<'_, P, W>,
+) -> Result<StorageNews, Interrupt> {
+    main_loop.finish().await?;
+    main_loop.use_settings(main_loop.settings.defaults()).await?;
+    Ok(StorageNews::Defaults)
+}
+
+/// M504.
+pub(in crate::machine) async fn check_storage<P: PortSet, W: Wake>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    pieces: &mut MachinePieces,
+) -> Result<StorageNews, Interrupt> {
+    Ok(match survey(main_loop, pieces.begin()).await? {
+        Ok(survey) => StorageNews::checked(&survey),
+        Err(error) => StorageNews::Unanswered(error),
+    })
+}

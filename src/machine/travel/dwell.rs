@@ -1,0 +1,30 @@
+//! G4: waits after the motion so far; M108 ends it.
+
+use super::{Answer, Entry, MainLoop, PortSet, States, TableCommand, Wake};
+use crate::gcode::{Grammar, Mark, Nature, Number};
+use crate::machine::answers::next_step::NextStep;
+
+pub(in crate::machine) const ENTRY: Entry = Entry::g("Motion", &[4])
+    .nature(Nature::Move)
+    .grammar(&Grammar::numbers(b"PS").not_negative(b"PS"))
+    .does("P S", "waits for the motion, then P ms and S s")
+    .mark(Mark::AfterRest)
+    .examples(&[("G4 P10", &[]), ("G4 ; wait", &[]), ("G4 P-5", &["echo:line ignored: P-5 is out of range"])]);
+
+/// The sum stays below the largest number, so that it can be printed and read again.
+fn wait_ms(command: &TableCommand<'_>) -> u32 {
+    let [milliseconds, seconds] = command.numbers(b"PS").map(Option::unwrap_or_default);
+    let sum = u64::from(milliseconds.to_u32()) + seconds.to_thousandths().max(0) as u64;
+    sum.min(Number::LIMIT as u64) as u32
+}
+
+pub(in crate::machine) fn carry_out<'a, P: PortSet, W: Wake>(
+    _: &mut MainLoop<'_, P, W>,
+    _: &mut States,
+    command: &TableCommand<'a>,
+) -> Answer<'a> {
+    match wait_ms(command) {
+        0 => Answer::Nothing,
+        ms => Answer::Then(NextStep::LetPass(ms)),
+    }
+}
