@@ -1,6 +1,6 @@
 //! The room `surface` against vectors and a bed that were computed by themselves, in double precision.
 
-use corehbot::surface::{Heights, Mesh, MeshError, UNITS_PER_MM};
+use corehbot::surface::{Fade, Heights, MOST_POINTS, Mesh, MeshError, UNITS_PER_MM};
 use corehbot::units::Mm;
 
 fn mm(value: f64) -> Mm {
@@ -178,4 +178,80 @@ fn a_fade_that_is_short_is_told_and_one_that_is_shorter_than_the_bed_is_high_is_
     }
     assert_eq!(Mesh::new(Heights::NONE, mesh.first(), mesh.last(), Mm::ZERO), Err(MeshError::NoPoints));
     assert_eq!(Mesh::new(*mesh.heights(), mesh.first(), mesh.first(), Mm::ZERO), Err(MeshError::NoArea));
+}
+
+/// Between points a surface is higher than they are by 9/32 of their range at most.
+#[test]
+fn above_the_top_the_highest_surface_is_allowed_for() {
+    let allowed = |first: i16, rest: i16, fade: f64| {
+        let mut heights = Heights::flat(2, 2).unwrap();
+        heights.set(0, 0, first);
+        [(1, 0), (0, 1), (1, 1)].into_iter().for_each(|(column, row)| heights.set(column, row, rest));
+        Mesh::new(heights, [0.0; 2].map(mm), [300.0; 2].map(mm), mm(fade)).unwrap().above_top()
+    };
+    for (first, rest, fade, wanted) in [
+        (-32, 64, 0.0, 91),
+        (-33, 64, 0.0, 92),
+        (64, -32, 0.0, 91),
+        (-50, -10, 0.0, 2),
+        (-100, -90, 0.0, 0),
+        (-32, 64, 10.0, 40),
+        (32, -64, 10.0, 0),
+    ] {
+        let wanted = Mm::from_num(wanted) / i64::from(UNITS_PER_MM);
+        assert_eq!(allowed(first, rest, fade), wanted, "{first}, {rest}, {fade}");
+    }
+}
+
+#[test]
+fn a_fade_reaches_to_its_height() {
+    let fade = Fade::up_to(10.0);
+    assert_eq!((fade.height(), Fade::NONE.height(), Fade::up_to(0.0)), (10.0, 0.0, Fade::NONE));
+    assert_eq!([-1.0, 0.0, 2.5, 10.0].map(|z| fade.share(z)), [[1.0, 0.0], [1.0, 0.0], [0.75, -0.1], [0.0, 0.0]]);
+}
+
+#[test]
+fn a_grid_has_two_columns_and_two_rows_at_least_and_no_point_beyond() {
+    for (columns, rows, is_one) in [(2, 2, true), (3, 2, true), (2, 3, true), (1, 3, false), (3, 1, false)] {
+        assert_eq!(Heights::flat(columns, rows).is_some(), is_one, "{columns}, {rows}");
+    }
+    let mut heights = Heights::flat(3, 2).unwrap();
+    heights.set(3, 0, 5);
+    heights.set(0, 2, 5);
+    assert_eq!(heights, Heights::flat(3, 2).unwrap());
+    let row = core::array::from_fn(|column| if column < 3 { 7 + column as i16 } else { 0 });
+    heights.set_row(1, row);
+    assert_eq!((heights.row(0), heights.row(1), heights.get(2, 1)), ([0; MOST_POINTS], row, 9));
+}
+
+/// A plane of 100 units a column and 30 a row, and one with a twist of 100.
+#[test]
+fn a_slope_counts_up_to_the_border() {
+    let grid = |height: fn(i16, i16) -> i16| {
+        let mut heights = Heights::flat(3, 3).unwrap();
+        for (column, row) in (0..3).flat_map(|column| (0..3).map(move |row| (column, row))) {
+            heights.set(column as usize, row as usize, height(column, row));
+        }
+        heights
+    };
+    let plane = grid(|column, row| 50 + 100 * column + 30 * row);
+    for (at, is_inside) in [(-0.1, false), (0.0, true), (0.5, true), (2.0, true), (2.1, false)] {
+        let slope = |slope: f32| if is_inside { slope } else { 0.0 };
+        let [along_x, along_y] = [plane.at(at, 1.0), plane.at(1.0, at)];
+        assert_eq!((along_x.dx, along_x.dy, along_y.dx, along_y.dy), (slope(100.0), 30.0, 100.0, slope(30.0)), "{at}");
+        assert_eq!(plane.slopes_at(at, 1.0), [along_x.z, along_x.dx, along_x.dy]);
+        assert_eq!(plane.slopes_at(1.0, at), [along_y.z, along_y.dx, along_y.dy]);
+    }
+    let bend = |heights: Heights| heights.bounds([0.0; 2], [2.0; 2]).dxy;
+    let [none, twist] = [bend(plane), bend(grid(|column, row| 50 + 100 * column * row))];
+    assert!(none.abs() < 0.01 && (twist - 100.0).abs() < 0.01, "{none}, {twist}");
+}
+
+#[test]
+fn a_mesh_without_an_area_is_refused_for_it() {
+    let heights = Heights::flat(2, 2).unwrap();
+    let refused = |last: [f64; 2]| Mesh::new(heights, [0.0; 2].map(mm), last.map(mm), Mm::ZERO).unwrap_err();
+    assert_eq!([[300.0, 0.0], [0.0, 300.0]].map(refused), [MeshError::NoArea; 2]);
+    let texts = [MeshError::NoPoints, MeshError::NoArea, MeshError::FadesTooFast].map(|error| error.to_string());
+    assert!(texts.iter().all(|text| text.starts_with("the ")), "{texts:?}");
 }

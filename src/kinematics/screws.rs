@@ -158,6 +158,13 @@ mod tests {
         assert_heights(&screws, &points, &[0.399_143, -0.259_143]);
     }
 
+    /// The points lie 50 mm off the line through the screws, one on each side: only the way along it counts.
+    #[test]
+    fn two_screws_may_lie_across() {
+        let points = [([20.0, 110.0], 0.2), ([280.0, 290.0], -0.1)];
+        assert_heights(&[[0.0, 0.0], [300.0, 400.0]], &points, &[0.3, -0.2]);
+    }
+
     #[test]
     fn three_screws_get_the_least_squares_plane() {
         let screws = [[-25.0, 0.0], [455.0, 0.0], [215.0, 400.0]];
