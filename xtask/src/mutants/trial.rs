@@ -51,7 +51,7 @@ impl Program {
 
     /// A command in a shell that runs a test with limits: the shell's last step gets the program as `"$0" "$@"`.
     fn command(&self, test: &str, most: Duration, step: &str) -> Command {
-        let script = format!("ulimit -t {} -v {MEMORY}; {step}", most.as_secs() + 1);
+        let script = format!("ulimit -t {}; ulimit -v {MEMORY}; ulimit -c 0; {step}", most.as_secs() + 1);
         let mut command = Command::new("sh");
         command.args(["-c", &script]).arg(&self.path).args(["--exact", test, "--test-threads=1"]);
         command.current_dir(&self.folder);
