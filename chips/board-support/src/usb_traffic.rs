@@ -71,10 +71,10 @@ impl<M: RawMutex> Traffic<M> {
     }
 
     /// Serves the port for ever.
-    pub async fn run<'d, D: Driver<'d>>(&self, port: Port<'d, D>, board: impl Surroundings) {
+    pub async fn run<'d, D: Driver<'d>>(&self, port: &mut Port<'d, D>, board: &impl Surroundings) {
         let Port { device, to_host, from_host } = port;
-        let serve = device.run(|is_open| self.set_open(is_open, &board));
-        join3(serve, self.tell(to_host, &board), self.hear(from_host, &board)).await;
+        let serve = device.run(|is_open| self.set_open(is_open, board));
+        join3(serve, self.tell(to_host, board), self.hear(from_host, board)).await;
     }
 
     fn with<R>(&self, work: impl FnOnce(&mut Pump) -> R) -> R {
@@ -100,7 +100,7 @@ impl<M: RawMutex> Traffic<M> {
     }
 
     /// From the Console to the host.
-    async fn tell(&self, mut end: impl EndpointIn, board: &impl Surroundings) -> ! {
+    async fn tell(&self, end: &mut impl EndpointIn, board: &impl Surroundings) -> ! {
         let mut packet = [0; PACKET];
         loop {
             let take = |pump: &mut Pump| pump.packet(&mut packet, board.now()).map(|length| (length, pump.session()));
@@ -120,7 +120,7 @@ impl<M: RawMutex> Traffic<M> {
     }
 
     /// From the host to the Console.
-    async fn hear(&self, mut end: impl EndpointOut, board: &impl Surroundings) -> ! {
+    async fn hear(&self, end: &mut impl EndpointOut, board: &impl Surroundings) -> ! {
         let mut packet = [0; PACKET];
         loop {
             self.wait(&self.from_host, |pump| pump.has_room().then_some(())).await;

@@ -43,8 +43,9 @@ struct Rig<'a> {
 fn with_port(story: impl FnOnce(Rig<'_>)) {
     let (wire, traffic, clock) = (Fake::default(), Traffic::<NoopRawMutex>::new(), Cell::new(0));
     let identity = Identity { numbers: [0x1209, 0x0001], texts: ["corehbot", "board", "1"] };
-    let serial = Port::new(wire.clone(), identity).unwrap();
-    let port = pin!(traffic.run(serial, Bench(&clock)));
+    let mut serial = Port::new(wire.clone(), identity).unwrap();
+    let bench = Bench(&clock);
+    let port = pin!(traffic.run(&mut serial, &bench));
     let mut rig = Rig { wire, traffic: &traffic, clock: &clock, port };
     rig.wire.0.borrow_mut().events.extend([Event::PowerDetected, Event::Reset]);
     rig.request(SET_ADDRESS);

@@ -17,8 +17,9 @@ use crate::wiring::USB;
 /// The interrupt of the port.
 pub const IRQ: Interrupt = Interrupt::OTG_FS;
 
-/// Endpoints of each direction (RM0390, 31.3).
-const ENDPOINTS: usize = 6;
+/// Endpoints of each direction: those of a serial port, and endpoint 0. The core has six (RM0390, 31.3), and one takes
+/// 120 bytes of RAM.
+const ENDPOINTS: usize = 3;
 
 /// Words of FIFO memory: 1.25 KiB (RM0390, 31.3).
 const FIFO: u16 = 320;

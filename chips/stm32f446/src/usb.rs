@@ -4,6 +4,7 @@ use corehbot::port::{Clock as _, Received, Serial};
 use corehbot::units::Instant;
 use embassy_stm32::uid;
 use embassy_sync::blocking_mutex::raw::ThreadModeRawMutex;
+use static_cell::StaticCell;
 
 use crate::console_waker::wake_console;
 use crate::otg::{self, UsbDriver};
@@ -20,22 +21,29 @@ const NUMBERS: [u16; 2] = [0x1209, 0x0001];
 
 static TRAFFIC: Traffic<ThreadModeRawMutex> = Traffic::new();
 
+/// The report that waits for the port to be opened. In [`UsbLine`], every line would have room for one.
+static FAREWELL: StaticCell<ResetReason> = StaticCell::new();
+
 /// The Console's end of the port.
 pub struct UsbLine {
     /// Why the last reset happened, until a host opens the port: it was closed when the others were told.
-    farewell: Option<ResetReason>,
+    farewell: Option<&'static ResetReason>,
     /// The port has not been opened so far.
     is_new: bool,
 }
 
 /// The bus's end of the port.
-pub type UsbPort = Port<'static, UsbDriver>;
+pub type UsbPort = &'static mut Port<'static, UsbDriver>;
+
+/// The one of [`serve`], which would hold it several times.
+static PORT: StaticCell<Port<'static, UsbDriver>> = StaticCell::new();
 
 /// Starts the port of `board`; the host sees it when [`serve`] runs. Returns `None` if the USB core does not start.
 pub fn start(board: &'static Board, farewell: Option<ResetReason>) -> Option<(UsbLine, UsbPort)> {
     let identity = Identity { numbers: NUMBERS, texts: ["corehbot", board.name, uid::uid_hex()] };
     let port = Port::new(otg::start()?, identity).ok()?;
-    Some((UsbLine { farewell, is_new: true }, port))
+    let farewell = farewell.map(|reason| &*FAREWELL.init(reason));
+    Some((UsbLine { farewell, is_new: true }, PORT.init(port)))
 }
 
 /// The contexts that run besides the port.
@@ -54,7 +62,7 @@ impl Surroundings for Contexts {
 /// Serves the port for ever.
 #[embassy_executor::task]
 pub async fn serve(port: UsbPort) {
-    TRAFFIC.run(port, Contexts).await;
+    TRAFFIC.run(port, &Contexts).await;
 }
 
 impl Serial for UsbLine {

@@ -53,7 +53,7 @@ impl<'d, D: Driver<'d>> Port<'d, D> {
 
 impl<'d, D: Driver<'d>> Device<'d, D> {
     /// Serves the bus for ever. Tells `on_line` whether the host has the port open, whenever that may have changed.
-    pub async fn run(mut self, mut on_line: impl FnMut(bool)) -> ! {
+    pub async fn run(&mut self, mut on_line: impl FnMut(bool)) -> ! {
         loop {
             match self.next().await {
                 // A suspended bus needs nothing: a request comes only after it has resumed.

@@ -16,8 +16,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::task::{Context, Wake, Waker};
 
-/// Endpoints of each direction.
-const N: usize = 6;
+/// Endpoints of each direction, as on the boards.
+const N: usize = 3;
 
 /// Requests as Linux makes them.
 pub const GET_DEVICE: [u8; 8] = [0x80, 6, 0, 1, 0, 0, 18, 0];
@@ -152,7 +152,7 @@ impl Bench {
     /// A device whose interrupt comes at every `every`-th access to a register, and else when the task waits.
     pub fn interrupted(every: u32) -> Self {
         let model = Model::new(every);
-        let Port { device, mut to_host, mut from_host } = Port::new(model.driver(), IDENTITY).unwrap();
+        let Port { mut device, mut to_host, mut from_host } = Port::new(model.driver(), IDENTITY).unwrap();
         let (heard, listens) = (Heard::default(), Rc::new(Cell::new(true)));
         let (hears, gate) = (heard.clone(), listens.clone());
         let port = async move {
