@@ -10,12 +10,12 @@ use super::heartbeats::{Context, Heartbeats};
 use super::heater::{Circumstances, HeaterLoop};
 use super::order::{Common, Order, OrdersIn};
 use super::predictive::Ahead;
-use super::self_test::{End, Readings, SelfTest};
+use super::self_test::{End, SelfTest};
 use super::tune::Tune;
 use crate::connectors::{FANS, HEATERS, Heater, OUTPUTS, Sensor};
 use crate::fault::{Cause, Fault};
 use crate::port::{ThermalPort, Wake};
-use crate::settings::{Bounds, FanRole, ThermalSettings, part_fans, sum};
+use crate::settings::{FanRole, ThermalSettings, part_fans, sum};
 use crate::status::Status;
 use crate::units::Celsius;
 use fixed::types::I8F24;
@@ -58,6 +58,8 @@ pub struct ThermalControl<'m, H: ThermalPort, W: Wake> {
     swapped: [[Swapped; HEATERS]; HEATERS],
     cold: Cold,
     self_test: Option<SelfTest>,
+    /// The last tuning, and its heater. There is one for all heaters, for it takes 200 bytes.
+    tune: Option<(Heater, Tune)>,
     /// A switch sticks, or may do so unseen: only the power supply ends that, and all fans run.
     has_cut_supply: bool,
     heartbeats: Heartbeats,
@@ -89,6 +91,7 @@ impl<'m, H: ThermalPort, W: Wake> ThermalControl<'m, H, W> {
             swapped: [[Swapped::new(); HEATERS]; HEATERS],
             cold: Cold::new(),
             self_test: None,
+            tune: None,
             has_cut_supply: false,
             heartbeats: Heartbeats::new(),
             has_motors: false,
@@ -131,10 +134,7 @@ impl<'m, H: ThermalPort, W: Wake> ThermalControl<'m, H, W> {
                 // A tuning would heat what the test watches as cold.
                 Order::Tune(..) if self.self_test.is_some() => {}
                 Order::SelfTest => self.begin_self_test(),
-                Order::Tune(heater, target, cycles) => {
-                    let has_fan = heater == Heater::Hotend && self.has_part_fan();
-                    self.heaters[heater as usize].tune(target, cycles, has_fan, Bounds::of(heater));
-                }
+                Order::Tune(heater, target, cycles) => self.begin_tuning(heater, target, cycles),
                 Order::StopTrials => {
                     self.stop_tuning();
                     self.end_self_test(End::PutOff);
@@ -173,16 +173,6 @@ impl<'m, H: ThermalPort, W: Wake> ThermalControl<'m, H, W> {
             self.parts = part_fans(self.fans.each_ref().map(|fan| fan.settings().role));
             self.settings_sum = self.sum();
         }
-    }
-
-    /// The reading of each heater's sensor, if it can be right.
-    fn readings(&self) -> Readings {
-        self.heaters.each_ref().map(|heater| heater.believed().filter(|_| heater.settings().is_fitted))
-    }
-
-    /// Whether the board drives one of them.
-    fn has_part_fan(&self) -> bool {
-        self.parts.iter().take(self.port.fans()).any(|is_part| *is_part)
     }
 
     /// Feeds the watchdog, and checks the settings in RAM.
@@ -244,7 +234,8 @@ impl<'m, H: ThermalPort, W: Wake> ThermalControl<'m, H, W> {
             let rests = heater == Heater::Bed && self.status.heat().bed_rests();
             let differs = differs && heater != Heater::Chamber;
             let now = Circumstances { warmed_to: warmed_to[heater as usize], rests, differs, ..now };
-            match looped.period(self.status.heat().sample(sensor), &now) {
+            let tune = self.tune.as_mut().filter(|(tuned, _)| *tuned == heater).map(|(_, tune)| tune);
+            match looped.period(self.status.heat().sample(sensor), &now, tune) {
                 Ok(duty) if self.port.outputs().has(output) => duties[output as usize] = duty,
                 // The board has no such output. The sensor's guards watch all the same.
                 Ok(_) => {}
@@ -376,7 +367,7 @@ impl<'m, H: ThermalPort, W: Wake> ThermalControl<'m, H, W> {
             self.runs_on.saturating_sub(1)
         };
         // A tuning controls the part fan itself.
-        let tuned = self.heaters[Heater::Hotend as usize].tuning().and_then(Tune::fan);
+        let tuned = self.tuning().and_then(|(_, tune)| tune.fan());
         let mut standing = None;
         self.part_fan = 0;
         let needs = Needs { hotend: is_warm, controller: is_busy || self.runs_on > 0, all: self.has_cut_supply };

@@ -56,7 +56,8 @@ pub struct HeaterLoop {
     is_free: bool,
     /// The requested output, before switching.
     wanted: u16,
-    tune: Option<Tune>,
+    /// A tuning sets its duty, until it goes off.
+    is_tuned: bool,
     /// Full power whatever the target, for a self-test.
     is_pulsed: bool,
     /// Why it must not heat: its reading is none, or beyond its window. It has no target then.
@@ -83,7 +84,7 @@ impl HeaterLoop {
             given: 0,
             is_free: true,
             wanted: 0,
-            tune: None,
+            is_tuned: false,
             is_pulsed: false,
             ailment: None,
         }
@@ -121,7 +122,7 @@ impl HeaterLoop {
         let target = self.legal(target);
         if target == Celsius::ZERO {
             self.pid.rest();
-            self.tune = None;
+            self.is_tuned = false;
         }
         self.target = target;
     }
@@ -207,15 +208,16 @@ impl HeaterLoop {
     }
 
     /// Begins a tuning, with the part fan too if that cools it.
-    pub fn tune(&mut self, target: Celsius, cycles: u8, has_fan: bool, bounds: &'static Bounds) {
+    pub fn tune(&mut self, target: Celsius, cycles: u8, has_fan: bool, bounds: &'static Bounds) -> Option<Tune> {
         self.set_target(target);
-        let tune = self.measured.filter(|_| self.target > Celsius::ZERO);
-        self.tune = tune.map(|measured| Tune::new(&self.settings, self.target, cycles, has_fan, bounds, measured));
+        let measured = self.measured.filter(|_| self.target > Celsius::ZERO);
+        self.is_tuned = measured.is_some();
+        measured.map(|measured| Tune::new(&self.settings, self.target, cycles, has_fan, bounds, measured))
     }
 
-    /// The current tuning.
-    pub const fn tuning(&self) -> Option<&Tune> {
-        self.tune.as_ref()
+    /// Whether a tuning that was [begun](Self::tune) is under way.
+    pub const fn is_tuned(&self) -> bool {
+        self.is_tuned
     }
 
     /// Sets full power for the coming period whatever the target, for a self-test.
@@ -223,11 +225,11 @@ impl HeaterLoop {
         self.is_pulsed = is_pulsed;
     }
 
-    /// One control period.
+    /// One control period; a tuning of this heater is passed in.
     ///
     /// # Errors
     /// The alarm of a guard; the heater must go off.
-    pub fn period(&mut self, sample: Option<u16>, now: &Circumstances) -> Result<u16, Alarm> {
+    pub fn period(&mut self, sample: Option<u16>, now: &Circumstances, tune: Option<&mut Tune>) -> Result<u16, Alarm> {
         let contact = self.filter.take(self.curve.read(sample));
         let good = match contact {
             Contact::Good(measured) => Some(measured),
@@ -269,7 +271,7 @@ impl HeaterLoop {
         }
         // Before the decision, so that an alarm leaves no duty for this period.
         self.watch(measured, power, now)?;
-        let wanted = self.decide(measured, now);
+        let wanted = self.decide(measured, now, tune);
         Ok(self.put_out(wanted))
     }
 
@@ -290,7 +292,7 @@ impl HeaterLoop {
         let aim = match self.target {
             _ if self.is_pulsed => Aim::Pulse,
             target if target <= Celsius::ZERO => Aim::Off,
-            target if self.tune.is_some() => Aim::Tune(target),
+            target if self.is_tuned => Aim::Tune(target),
             target => Aim::Hold(target),
         };
         let Circumstances { fan, filament, warmed_to, rests, .. } = *now;
@@ -306,7 +308,7 @@ impl HeaterLoop {
     }
 
     /// The duty for the next period.
-    fn decide(&mut self, measured: Celsius, now: &Circumstances) -> u16 {
+    fn decide(&mut self, measured: Celsius, now: &Circumstances, tune: Option<&mut Tune>) -> u16 {
         let most = self.most();
         // At full power the observer learns the gain instead of the drift, and at none neither: so it is not free.
         if self.is_pulsed && self.ailment.is_none() {
@@ -317,7 +319,7 @@ impl HeaterLoop {
             self.is_free = true;
             return 0;
         }
-        if let Some(tune) = &mut self.tune {
+        if let Some(tune) = tune.filter(|_| self.is_tuned) {
             let wanted = tune.duty(measured, most);
             self.is_free = false;
             return wanted;

@@ -6,8 +6,9 @@ use crate::settings::{FanSettings, HeaterSettings, ThermalSettings};
 use crate::units::Celsius;
 use heapless::spsc::{Consumer, Producer, Queue};
 
-/// Orders that may wait. A complete set of settings is eleven.
-const MOST: usize = 16;
+/// Orders that may wait for the next control period, less one. When it is full, the sender keeps the latest order of
+/// each kind (`machine::state::heat_orders`). So a complete set of settings, eleven orders, takes two periods.
+const MOST: usize = 8;
 
 /// Memory of the queue.
 pub type OrderQueue = Queue<Order, MOST>;

@@ -219,3 +219,15 @@ fn f21_protections_hold_while_it_tunes() {
     printer.run(0.04);
     assert_eq!((printer.status.heat().tuning(), printer.duty(corehbot::connectors::Output::He0)), (Tuning::None, 0.0));
 }
+
+#[test]
+fn a_tuning_ends_the_one_of_another_heater() {
+    let mut printer = Printer::new(&PlantConstants::prototype(), settings());
+    printer.run(1.0);
+    printer.order(Order::Tune(Heater::Hotend, Celsius::from_num(215), 5));
+    printer.run(10.0);
+    assert!(printer.duty(corehbot::connectors::Output::He0) > 0.0);
+    let (tuning, _) = tune(&mut printer, Heater::Bed, 60);
+    assert_eq!((printer.fault(), tuning), (None, Tuning::Done));
+    assert_eq!(printer.status.heat().target(Heater::Hotend), Celsius::ZERO);
+}

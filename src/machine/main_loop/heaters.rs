@@ -304,3 +304,49 @@ impl<'m> Heaters<'m> {
         self.self_tests.follow(!self.orders.is_test_waiting(), self.status.periods(), self.status.self_test())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+    use crate::status::Status;
+    use crate::thermal::{Order, OrderQueue};
+    use std::vec::Vec;
+
+    fn change_all(settings: &mut ThermalSettings) {
+        for heater in Heater::ALL {
+            settings.heater_mut(heater).most -= Celsius::ONE;
+        }
+        settings.fans.iter_mut().for_each(|fan| fan.kick_ms += 1);
+        settings.fan_run_on_s += 1;
+    }
+
+    #[test]
+    fn orders_that_find_the_queue_full_leave_in_the_next_periods() {
+        let mut settings = ThermalSettings::prototype();
+        let (mut queue, status) = (OrderQueue::new(), Status::new());
+        let (orders_in, mut orders) = queue.split();
+        let mut heat = Heaters::new(status.heat(), orders_in, &settings, Instant::default());
+        // The four turns of a control period, and the orders that it takes.
+        let mut period = |heat: &mut Heaters<'_>, settings: &ThermalSettings| {
+            (0..4).for_each(|_| heat.send_orders(settings));
+            core::iter::from_fn(|| orders.dequeue()).collect::<Vec<_>>()
+        };
+        change_all(&mut settings);
+        heat.note_settings();
+        heat.set_target(Heater::Bed, Celsius::from_num(60));
+        let taken = [period(&mut heat, &settings), period(&mut heat, &settings)];
+        assert!(heat.are_orders_gone() && period(&mut heat, &settings).is_empty());
+        let taken = taken.concat();
+        assert_eq!(taken.len(), HEATERS + FANS + 2);
+        assert_eq!(taken.last(), Some(&Order::Target(Heater::Bed, Celsius::from_num(60))), "after its settings");
+        // Off waits for a period at most, and comes first.
+        change_all(&mut settings);
+        heat.note_settings();
+        heat.send_orders(&settings);
+        heat.switch_off(&settings);
+        assert!(!period(&mut heat, &settings).contains(&Order::Off));
+        assert_eq!(period(&mut heat, &settings).first(), Some(&Order::Off));
+    }
+}

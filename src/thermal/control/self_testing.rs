@@ -2,7 +2,7 @@
 
 use super::super::guard::Alarm;
 use super::super::heater::HeaterLoop;
-use super::super::self_test::{End, SelfTest};
+use super::super::self_test::{End, Readings, SelfTest};
 use super::ThermalControl;
 use crate::connectors::Heater;
 use crate::port::{ThermalPort, Wake};
@@ -59,6 +59,11 @@ impl<H: ThermalPort, W: Wake> ThermalControl<'_, H, W> {
         let is_passed = end == End::Passed;
         let state = if is_passed { status::SelfTest::Passed } else { status::SelfTest::PutOff };
         self.status.heat().set_self_test(state);
+    }
+
+    /// The reading of each heater's sensor, if it can be right.
+    fn readings(&self) -> Readings {
+        self.heaters.each_ref().map(|heater| heater.believed().filter(|_| heater.settings().is_fitted))
     }
 
     /// A heater that is refused loses its held target for good, as it loses its target outside of a test.
