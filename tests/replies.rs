@@ -5,7 +5,7 @@ use corehbot::fault::{Cause, Fault};
 use corehbot::protocol::{Action, NoRoom, Replies, ResendReason};
 
 /// As the replies have it.
-const CAPACITY: usize = 2048;
+const CAPACITY: usize = 1024;
 const ECHOED: usize = 60;
 
 /// Everything that waits, taken out in the pieces that [`Replies::pending`] gives.
@@ -70,17 +70,14 @@ fn a_dialogue_that_does_not_fit_leaves_nothing() {
 }
 
 #[test]
-fn a_line_that_goes_ahead_finds_room_in_full_replies() {
+fn replies_that_are_held_take_nothing_and_are_not_sent() {
     let mut replies = Replies::new();
-    replies.line(format_args!("{}", "x".repeat(CAPACITY - 1))).unwrap();
-    assert_eq!(replies.ok(), Err(NoRoom));
-    replies.go_ahead(true);
-    assert_eq!(replies.line(format_args!("{}", "x".repeat(CAPACITY))), Err(NoRoom));
     replies.ok().unwrap();
-    replies.go_ahead(false);
+    replies.hold(true);
     assert_eq!((replies.ok(), replies.room()), (Err(NoRoom), 0));
-    assert!(drain(&mut replies).ends_with("x\nok\n"));
-    assert_eq!(replies.room(), CAPACITY);
+    assert_eq!((drain(&mut replies), replies.are_sent()), ("ok\n".into(), false));
+    replies.hold(false);
+    assert_eq!((replies.ok(), replies.room()), (Ok(()), CAPACITY - 3));
 }
 
 #[test]

@@ -16,9 +16,9 @@ pub struct Memory {
     pub(super) spans: SpanMemory,
     /// The Console's: the look-ahead, 15 KiB.
     pub(super) planned: MoveMemory,
-    /// The Console's: received bytes and pending replies of its hosts, 9 KiB.
+    /// The Console's: received bytes and pending replies of its hosts, 8.4 KiB.
     pub(super) hosts: HostMemory,
-    /// Console to ThermalControl, 2 KiB.
+    /// Console to ThermalControl, 0.7 KiB.
     pub(super) orders: OrderQueue,
     pub(super) groupings: Groupings,
     pub(super) status: Status,

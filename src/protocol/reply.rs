@@ -8,7 +8,8 @@
 //! that is not meant; a test checks this.
 //!
 //! Full: [`NoRoom`], nothing is written, the caller tries again later. Empty: nothing is sent. Lines that a command
-//! says on its way go ahead of that ([`Replies::go_ahead`]): they always find room, so nothing waits for it.
+//! says on its way do not wait: those without room go into another ring, and this one is [held](Replies::hold) until
+//! they are sent.
 
 use core::fmt::{self, Write};
 
@@ -16,12 +17,8 @@ use heapless::Deque;
 
 use super::numbering::ResendReason;
 
-/// Bytes held: 178 ms at 115200 baud, several times the reply to M115.
-const CAPACITY: usize = 2048;
-
-/// Bytes held beyond that, for lines that go ahead: eight values out of range with their hints, and more than any other
-/// command says on its way.
-const AHEAD: usize = 1024;
+/// Bytes held: 89 ms at 115200 baud. A longer answer waits for room, and motion goes on meanwhile.
+const CAPACITY: usize = 1024;
 
 /// Sent while a line is being carried out. A host that reads `busy:` keeps waiting.
 pub const BUSY: &str = "echo:busy: processing";
@@ -50,9 +47,9 @@ impl core::error::Error for NoRoom {}
 
 /// Lines on their way to the host.
 pub struct Replies {
-    bytes: Deque<u8, { CAPACITY + AHEAD }>,
-    /// How many of them lines may fill.
-    limit: usize,
+    bytes: Deque<u8, CAPACITY>,
+    /// Lines of another ring follow, and none is added here.
+    is_held: bool,
 }
 
 impl Default for Replies {
@@ -65,12 +62,18 @@ impl Replies {
     /// Nothing to send.
     #[must_use]
     pub const fn new() -> Self {
-        Self { bytes: Deque::new(), limit: CAPACITY }
+        Self { bytes: Deque::new(), is_held: false }
     }
 
-    /// Whether lines go ahead from now on: into the room that is kept for them.
-    pub const fn go_ahead(&mut self, may: bool) {
-        self.limit = if may { CAPACITY + AHEAD } else { CAPACITY };
+    /// Forgets all lines.
+    pub fn clear(&mut self) {
+        self.bytes.clear();
+        self.is_held = false;
+    }
+
+    /// Whether lines of another ring follow: until they are sent, there is no room here.
+    pub const fn hold(&mut self, is_held: bool) {
+        self.is_held = is_held;
     }
 
     /// Adds one line and its line end. Control characters become `?`, line ends too.
@@ -87,10 +90,16 @@ impl Replies {
         self.bytes.as_slices().0
     }
 
-    /// Whether nothing waits to be sent.
+    /// Whether bytes wait to be sent.
+    #[must_use]
+    pub fn has_pending(&self) -> bool {
+        !self.bytes.is_empty()
+    }
+
+    /// Whether nothing waits to be sent, neither here nor behind it.
     #[must_use]
     pub fn are_sent(&self) -> bool {
-        self.bytes.is_empty()
+        self.bytes.is_empty() && !self.is_held
     }
 
     /// Forgets the oldest `count` bytes, because they have been sent.
@@ -105,7 +114,7 @@ impl Replies {
     /// Bytes that may be added.
     #[must_use]
     pub const fn room(&self) -> usize {
-        self.limit.saturating_sub(self.bytes.len())
+        if self.is_held { 0 } else { CAPACITY - self.bytes.len() }
     }
 
     /// `ok`: the line was accepted.
@@ -246,10 +255,10 @@ impl Replies {
         })
     }
 
-    /// Runs `write`, and undoes it if it fails or needs more room than there is.
+    /// Runs `write`, and undoes it if it needs more room than there is.
     fn whole(&mut self, write: impl FnOnce(&mut Self) -> fmt::Result) -> Result<(), NoRoom> {
         let length = self.bytes.len();
-        if write(self).is_ok() && self.bytes.len() <= self.limit {
+        if !self.is_held && write(self).is_ok() {
             return Ok(());
         }
         self.bytes.truncate(length);
@@ -263,7 +272,7 @@ impl Replies {
 }
 
 /// A line being written.
-struct Line<'a>(&'a mut Deque<u8, { CAPACITY + AHEAD }>);
+struct Line<'a>(&'a mut Deque<u8, CAPACITY>);
 
 impl Write for Line<'_> {
     fn write_str(&mut self, text: &str) -> fmt::Result {

@@ -14,7 +14,7 @@ use corehbot::motion::SurfaceFrame;
 use corehbot::motors::{EndstopSet, GroupSet, MOTORS, MotorSet};
 use corehbot::port::{Clock, Received, Serial, StepClock, StepPort, Wake};
 use corehbot::surface::Heights;
-use corehbot::units::{Instant, Tick};
+use corehbot::units::{Instant, TICKS_PER_SECOND, Tick};
 use corehbot_rig::Rig;
 use corehbot_rig::bed::BedPlant;
 use corehbot_rig::bed::probe::ProbeFault;
@@ -48,7 +48,15 @@ pub struct Wire {
     spoken: RefCell<Vec<u8>>,
     /// The bytes that the printer has overheard; `None` if it cannot, as behind USB.
     overheard: Cell<Option<usize>>,
+    /// Bytes that it carries to the host in a second; `None` if it takes no time.
+    rate: Cell<Option<u32>>,
+    /// If so: bytes in the transmitter's ring, and the tick up to which others have left it.
+    sending: Cell<u64>,
+    carried_until: Cell<u64>,
 }
+
+/// Bytes in the ring of a transmitter, as on the boards.
+const SENDING: u64 = 512;
 
 impl Wire {
     /// Hands complete lines to the host.
@@ -76,6 +84,24 @@ impl Wire {
             self.put(bytes.iter().copied());
         }
         bytes.len()
+    }
+
+    /// It carries so many bytes to the host in a second.
+    pub fn slow_down(&self, bytes: u32) {
+        self.rate.set(Some(bytes));
+    }
+
+    /// The time is `now`, in ticks.
+    pub(crate) fn carry(&self, now: u64) {
+        let Some(rate) = self.rate.get().map(u64::from) else { return };
+        let bytes = (now - self.carried_until.get()) * rate / u64::from(TICKS_PER_SECOND);
+        self.carried_until.update(|until| until + bytes * u64::from(TICKS_PER_SECOND) / rate);
+        self.sending.update(|sending| sending.saturating_sub(bytes));
+    }
+
+    /// Bytes that it takes at once.
+    fn room(&self) -> usize {
+        self.rate.get().map_or(usize::MAX, |_| (SENDING - self.sending.get()) as usize)
     }
 
     /// It ends in a UART's ring, in which the printer may look ahead.
@@ -162,7 +188,9 @@ impl Serial for SimLine<'_> {
     }
 
     fn send(&mut self, bytes: &[u8]) -> usize {
+        let bytes = &bytes[..bytes.len().min(self.0.room())];
         self.0.to_host.borrow_mut().extend_from_slice(bytes);
+        self.0.sending.update(|sending| sending + bytes.len() as u64);
         bytes.len()
     }
 }

@@ -57,6 +57,7 @@ mod shaping;
 mod silent_hosts;
 mod sliced;
 mod slow_axes;
+mod slow_lines;
 mod slowness;
 mod soak;
 mod start_blocks;

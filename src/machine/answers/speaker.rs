@@ -21,7 +21,8 @@ pub(in crate::machine) trait Listener {
 impl<S: Serial> Listener for Hosts<'_, S> {
     /// A host that has disconnected accepts every part.
     fn hear(&mut self, part: &Part<'_>) -> bool {
-        let fits = self.replies().is_none_or(|replies| part(replies).is_ok());
+        let (told, host) = self.output();
+        let fits = host.is_none_or(|(place, replies)| told.put(place, replies, part));
         if fits {
             self.send();
         }

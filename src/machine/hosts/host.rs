@@ -19,7 +19,7 @@ const WAITS_MS: u32 = 50;
 /// A command's text, copied out of the receiver so that more lines can arrive while it is carried out.
 pub(in crate::machine) type Text = Vec<u8, LONGEST_LINE>;
 
-/// Received bytes and pending replies of one host, 3 KiB.
+/// Received bytes and pending replies of one host, 2.5 KiB.
 struct Buffers {
     receiver: Receiver,
     replies: Replies,
@@ -33,17 +33,26 @@ impl Buffers {
 
 /// The buffers of all hosts. They stay in their place: the constructor of the Console has all that it holds on the
 /// stack. They begin empty, as a static whose first bytes are not zeros takes as many bytes of flash.
-pub struct HostMemory(Lines<Buffers>);
+pub struct HostMemory {
+    pub(super) hosts: HostBuffers,
+    /// What a command has said on its way, as far as its host's replies have no room.
+    pub(super) told: Replies,
+}
 
 impl HostMemory {
     /// No buffers yet.
     #[must_use]
     pub const fn new() -> Self {
-        Self(Lines::new())
+        Self { hosts: HostBuffers(Lines::new()), told: Replies::new() }
     }
+}
 
+/// The buffers of each host.
+pub(super) struct HostBuffers(Lines<Buffers>);
+
+impl HostBuffers {
     /// Empty ones, of one host after the other.
-    pub(super) fn make(&mut self) -> impl Iterator<Item = (&mut Receiver, &mut Replies)> {
+    pub fn make(&mut self) -> impl Iterator<Item = (&mut Receiver, &mut Replies)> {
         while !self.0.is_full() {
             self.add();
         }
@@ -198,7 +207,7 @@ impl<'m, S: Serial> Host<'m, S> {
     /// Whoever opens the line begins anew.
     fn note_opened(&mut self, received: Received) {
         if received == Received::Opened {
-            *self.replies = Replies::new();
+            self.replies.clear();
             self.schedule = Schedule::new();
             self.upload = Upload::new();
             self.has_opened = true;
@@ -285,12 +294,25 @@ impl<'m, S: Serial> Host<'m, S> {
     }
 
     pub(super) fn send(&mut self) {
-        while !self.replies.are_sent() {
-            let sent = self.line.send(self.replies.pending());
-            if sent == 0 {
-                return;
-            }
-            self.replies.sent(sent);
+        send(&mut self.line, self.replies);
+    }
+
+    /// Sends what follows the replies, which are held until then.
+    pub(super) fn send_told(&mut self, told: &mut Replies) {
+        if !self.replies.has_pending() {
+            send(&mut self.line, told);
+            self.replies.hold(!told.are_sent());
         }
+    }
+}
+
+/// Sends as many bytes as fit.
+fn send(line: &mut impl Serial, replies: &mut Replies) {
+    while replies.has_pending() {
+        let sent = line.send(replies.pending());
+        if sent == 0 {
+            return;
+        }
+        replies.sent(sent);
     }
 }

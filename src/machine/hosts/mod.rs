@@ -21,4 +21,5 @@ pub(in crate::machine) mod host;
 pub(in crate::machine) mod request;
 pub(in crate::machine) mod schedule;
 pub(in crate::machine) mod serving;
+mod told;
 mod upload;

@@ -6,9 +6,10 @@
 //! A host that waits gets `busy` (`keep_alive`): its text is in `protocol::reply`, its interval `Settings::keepalive_s`
 //! (M113). Waits for heat also report temperatures, every second (`LINE_MS` in `heat::heating`).
 
-use super::host::{Host, HostMemory, Text, Urgent};
+use super::host::{Host, HostBuffers, HostMemory, Text, Urgent};
 use super::request::{Parse, Request};
 use super::schedule::Report;
+use super::told::Told;
 use crate::port::{LINES, Lines, Serial};
 use crate::protocol::{Activity, NoRoom, Owed, Replies};
 use crate::units::Instant;
@@ -19,8 +20,9 @@ pub(in crate::machine) struct Hosts<'m, S> {
     hosts: Lines<Host<'m, S>>,
     /// Lines that are not open yet, and the buffers for them.
     closed: Lines<S>,
-    memory: Option<&'m mut HostMemory>,
+    memory: Option<&'m mut HostBuffers>,
     serving: usize,
+    told: Told<'m>,
     /// The host being served waits for the answer to a line.
     owes_ok: bool,
     /// The host being served has gone, and another has opened its line: the answer is discarded.
@@ -40,11 +42,13 @@ pub(in crate::machine) struct Hosts<'m, S> {
 impl<'m, S: Serial> Hosts<'m, S> {
     /// No line is open before [`open`](Self::open).
     pub(in crate::machine) const fn new(lines: Lines<S>, memory: &'m mut HostMemory) -> Self {
+        let HostMemory { hosts: memory, told } = memory;
         Self {
             hosts: Lines::new(),
             closed: lines,
             memory: Some(memory),
             serving: 0,
+            told: Told::new(told),
             owes_ok: false,
             is_gone: false,
             aside: None,
@@ -173,12 +177,11 @@ impl<'m, S: Serial> Hosts<'m, S> {
         }
     }
 
-    /// The replies to the host being served. `None` if it has gone.
-    pub(in crate::machine) fn replies(&mut self) -> Option<&mut Replies> {
-        if self.is_gone {
-            return None;
-        }
-        self.hosts.get_mut(self.serving).map(|host| &mut *host.replies)
+    /// Where lines go: those that go ahead, and the host being served, with its place; `None` if it has gone.
+    pub(in crate::machine) fn output(&mut self) -> (&mut Told<'m>, Option<(usize, &mut Replies)>) {
+        let (place, is_there) = (self.serving, !self.is_gone);
+        let host = self.hosts.get_mut(place).filter(|_| is_there);
+        (&mut self.told, host.map(|host| (place, &mut *host.replies)))
     }
 
     /// The number of the line being served, if it has one, and the bytes that its host may send ahead.
@@ -196,6 +199,7 @@ impl<'m, S: Serial> Hosts<'m, S> {
                 self.may_be_new = true;
                 self.is_gone |= self.owes_ok && place == self.serving;
                 self.aside = self.aside.filter(|aside| place != *aside);
+                self.told.forget(place);
             }
         }
         if all.quick_stop || all.cancel {
@@ -224,6 +228,7 @@ impl<'m, S: Serial> Hosts<'m, S> {
     /// Sends as many bytes as fit.
     pub(in crate::machine) fn send(&mut self) {
         self.hosts.iter_mut().for_each(Host::send);
+        self.told.send(&mut self.hosts);
     }
 
     /// Sends a sign of life to hosts that have waited for `every_ms` for the answer to a line. 0 is never. It looks
@@ -341,7 +346,7 @@ mod tests {
         for n in 0..200 {
             // An answer of three lines, each sent in many pieces, and a report that is always due.
             for part in ["one", "two", "three"] {
-                if let Some(replies) = hosts.replies() {
+                if let (_, Some((_, replies))) = hosts.output() {
                     let _ = replies.line(format_args!("{part} {n}"));
                 }
                 hosts.send();

@@ -129,7 +129,11 @@ pub(in crate::machine) async fn stay_halted<P: PortSet, W: Wake>(
                         main_loop.reply_halted(answer, &mut are_new).await;
                     }
                 }
-                None => drop(main_loop.hosts.replies().map(|replies| report_killed(replies, reason))),
+                None => {
+                    if let (_, Some((_, replies))) = main_loop.hosts.output() {
+                        let _ = report_killed(replies, reason);
+                    }
+                }
             }
         }
     }

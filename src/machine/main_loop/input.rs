@@ -22,9 +22,13 @@ impl<P: PortSet, W: Wake> MainLoop<'_, P, W> {
         self.hosts.open(self.turn_began);
     }
 
-    /// The next request of a host; a command's text is put into `text`.
+    /// The next request of a host; a command's text is put into `text`. There is none before the lines are sent that
+    /// the last command has said on its way.
     pub fn next_line(&mut self, parse: Parse, text: &mut Text) -> Option<Request> {
         let Self { hosts, motion, job, .. } = self;
+        if !hosts.output().0.are_sent() {
+            return None;
+        }
         let activity = || activity(motion.has_motion(), motion.has_waited(), job);
         let asked = hosts.next_line(self.turn_began, (u32::from(self.settings.patience_ms), &activity), parse, text);
         self.status.set_awaiting_input(asked.is_none() && self.job.line().kept().is_none());

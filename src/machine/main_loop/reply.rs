@@ -49,25 +49,20 @@ impl<'m, P: PortSet, W: Wake> MainLoop<'m, P, W> {
     /// what a command says on its way, and the answer at its end waits.
     pub fn tell(&mut self, answer: Answer<'_>) {
         self.progress = Progress::default();
-        self.go_ahead(true);
-        self.write(&answer);
-        self.go_ahead(false);
+        self.hosts.output().0.go_ahead(true);
+        let is_told = self.write(&answer);
+        debug_assert!(is_told, "no command tells more than there is room for");
+        self.hosts.output().0.go_ahead(false);
     }
 
     /// Says a line in the same way.
     pub fn say(&mut self, line: Text<'_>) {
         self.progress = Progress::default();
         self.progress.begin();
-        self.go_ahead(true);
+        self.hosts.output().0.go_ahead(true);
         Speaker::new(&mut self.progress, &mut self.hosts).say(line);
-        self.go_ahead(false);
-    }
-
-    /// Whether lines to the host being served go ahead of what waits for room.
-    fn go_ahead(&mut self, may: bool) {
-        if let Some(replies) = self.hosts.replies() {
-            replies.go_ahead(may);
-        }
+        debug_assert!(self.progress.is_complete(), "no command tells more than there is room for");
+        self.hosts.output().0.go_ahead(false);
     }
 
     /// Writes the parts of an answer for which there is room; true if all are written.

@@ -72,6 +72,11 @@ impl Desk {
         })
     }
 
+    /// Its serial lines carry so many bytes to their hosts in a second.
+    pub fn slow_down(&self, bytes: u32) {
+        self.wires.iter().for_each(|wire| wire.slow_down(bytes));
+    }
+
     /// The same at a time in ticks.
     #[must_use]
     pub fn at(lines: usize, now: u64) -> Box<Self> {

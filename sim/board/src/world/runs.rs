@@ -111,6 +111,7 @@ fn print(
             if host.opens() {
                 wire.open();
             }
+            wire.carry(world.now());
             host.clock(world.now());
             wire.take(|bytes| host.interject(bytes));
         }
