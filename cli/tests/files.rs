@@ -102,8 +102,8 @@ fn a_reader_that_has_read_enough_ends_the_run() {
     assert_eq!(child.wait().unwrap().code(), Some(128 + 13));
 }
 
-/// Reports that the disk is full at the first byte; it is written while the print goes on, or at its end. Each line makes
-/// 8,000 rows, far more than a writer's buffer.
+/// Reports that the disk is full at the first byte; it is written while the print goes on, or at its end. Each line
+/// makes 8,000 rows, far more than a writer's buffer.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_ends_in_an_error_that_says_so() {

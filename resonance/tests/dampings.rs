@@ -101,8 +101,8 @@ fn a_spectrum_in_a_file_serves_like_its_recording() {
     }
 }
 
-/// A file ends below the frequencies that tell the noise, so the fit finds it. By default each mode is tried at one place,
-/// and each place with a low and a high mode; `cargo xtask test --all` tries each mode at both.
+/// A file ends below the frequencies that tell the noise, so the fit finds it. By default each mode is tried at one
+/// place, and each place with a low and a high mode; `cargo xtask test --all` tries each mode at both.
 #[test]
 fn a_damper_is_found_in_a_spectrum_wherever_it_acts() {
     let sweep = Sweep { hz_per_s: 2.0, ..Sweep::default() };

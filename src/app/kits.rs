@@ -109,8 +109,8 @@ pub struct ConsoleKit<'m, W: Wake> {
 }
 
 impl<'m, W: Wake> ConsoleKit<'m, W> {
-    /// Makes the Console, which goes back to these `settings` with M502. If `start` (x, y, z) is known, the machine stands
-    /// there as if homed.
+    /// Makes the Console, which goes back to these `settings` with M502. If `start` (x, y, z) is known, the machine
+    /// stands there as if homed.
     pub fn make<P: PortSet>(
         self,
         settings: &'m Settings,

@@ -28,8 +28,8 @@ impl BoardFacts for AnyBoard {}
 
 /// The line to a servo, which moves the pin of a BLTouch.
 pub trait Servo {
-    /// Gives an order: pulses of so many us, every 20 ms, five of them at least. Then the line stays low. `None` ends an
-    /// order at once. A later order replaces an earlier one.
+    /// Gives an order: pulses of so many us, every 20 ms, five of them at least. Then the line stays low. `None` ends
+    /// an order at once. A later order replaces an earlier one.
     fn order(&mut self, micros: Option<u16>);
 }
 

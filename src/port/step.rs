@@ -12,8 +12,8 @@ pub const STEP_PULSE_NS: u32 = 133;
 /// no call may block, lock or loop without a constant bound.
 pub trait StepPort {
     /// Sets the direction lines so that a step increases the coordinates of the groups in `forward` and decreases the
-    /// others. [`Coupling::forward_motors`](crate::motors::Coupling::forward_motors) gives the direction of each motor. Returns when a step may follow (TMC2209
-    /// datasheet rev 1.09, section 13.1: DIR to STEP set-up 20 ns).
+    /// others. [`Coupling::forward_motors`](crate::motors::Coupling::forward_motors) gives the direction of each motor.
+    /// Returns when a step may follow (TMC2209 datasheet rev 1.09, section 13.1: DIR to STEP set-up 20 ns).
     fn dir(&mut self, forward: GroupSet);
 
     /// Raises the step lines of all motors of `steps` in one instant: one store a GPIO port.

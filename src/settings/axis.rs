@@ -114,7 +114,8 @@ pub struct AxisSettings {
     pub max_speed: MmPerSec,
     /// Acceleration limit (M201).
     pub max_acceleration: MmPerSec2,
-    /// Travel of the axis: its positions are [`Settings::reach`](super::Settings::reach). For E, the longest single move.
+    /// Travel of the axis: its positions are [`Settings::reach`](super::Settings::reach). For E, the longest single
+    /// move.
     pub length: Mm,
 }
 

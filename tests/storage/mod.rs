@@ -116,8 +116,8 @@ fn a_cut_at_any_byte_leaves_the_old_or_the_new() {
 }
 
 /// The first cut comes at every third byte, so at every place of a page of 32 bytes in each three pages; the test of
-/// one cut has all bytes. The second cut comes at every thirteenth byte, from another one for each first cut. So it comes
-/// at every byte, and with every kind of damage, over the first ones.
+/// one cut has all bytes. The second cut comes at every thirteenth byte, from another one for each first cut. So it
+/// comes at every byte, and with every kind of damage, over the first ones.
 #[test]
 fn a_cut_save_may_be_followed_by_another() {
     let fresh = Eeprom::with(&[variant(0), variant(1)]);

@@ -1,5 +1,5 @@
-//! Options: plants and their accidents in a user's words. Options of the command and fields of the page are read here, so
-//! both take the same words and refuse the same ones.
+//! Options: plants and their accidents in a user's words. Options of the command and fields of the page are read here,
+//! so both take the same words and refuse the same ones.
 
 use crate::accident::{Accident, Family, NO_PROBE, ROWS};
 use crate::bed_plant;

@@ -41,8 +41,9 @@ fn sliced_files() -> Vec<PathBuf> {
     files
 }
 
-/// Lines of a file before the end of a short print. They and the end have every form of line of the file: all codes with
-/// all their letters, but for some arcs with a feed of their own. So `cargo xtask test --all` alone prints files whole.
+/// Lines of a file before the end of a short print. They and the end have every form of line of the file: all codes
+/// with all their letters, but for some arcs with a feed of their own. So `cargo xtask test --all` alone prints files
+/// whole.
 const LINES: usize = 3000;
 
 #[test]

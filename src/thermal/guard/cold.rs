@@ -1,5 +1,5 @@
-//! Two cold heaters read the same. A sensor of another kind than set reads 28 K or more beside the truth in a room of 12
-//! to 32 C (500 kOhm, 10 kOhm, PT1000 under the curve of 100 kOhm), and would heat to the wrong temperature.
+//! Two cold heaters read the same. A sensor of another kind than set would heat to the wrong temperature. In a room of
+//! 12 to 32 C it reads at least 28 K beside the truth: 500 kOhm, 10 kOhm or a PT1000 under the curve of 100 kOhm.
 //!
 //! Both are cold when their readings rest before any power, or an hour after it. One of two that differ is wrong, and
 //! nothing says which, so neither heats.
@@ -7,8 +7,8 @@
 use super::periods;
 use crate::units::Celsius;
 
-/// Farther apart than two heaters in one room: healthy ones were 1.3 K apart at most in 436 simulated hours, and a bed in
-/// the sun is some kelvins warmer. Less than half of the least error of a wrong sensor.
+/// Farther apart than two heaters in one room: healthy ones were 1.3 K apart at most in 436 simulated hours, and a bed
+/// in the sun is some kelvins warmer. Less than half of the least error of a wrong sensor.
 const APART: Celsius = Celsius::const_from_int(12);
 
 /// A refusal ends this much closer together.

@@ -1,8 +1,8 @@
 //! State: positions, speeds and commanded motor positions.
 //!
 //! Motor steps are exact: time is cut at each. In between, the classical fourth-order Runge-Kutta method uses steps of
-//! at most 36 us, 8 us with idlers, and 100 us in a [live](crate::stepped_machine) machine. Steps are shorter where a short
-//! segment is stiff.
+//! at most 36 us, 8 us with idlers, and 100 us in a [live](crate::stepped_machine) machine. Steps are shorter where a
+//! short segment is stiff.
 
 use super::external_forces::Outside;
 use super::plant::Plant;

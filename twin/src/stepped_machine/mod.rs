@@ -1,8 +1,8 @@
 //! Live: a machine that takes steps as they are made, and can be observed in between.
 //!
 //! It is the plant with rotors, in open-ended real time. Motors get and lose power, each at its own phase. The tool is
-//! pushed and rotors are braked ([`Outside`](crate::dynamics::external_forces::Outside)). Ten thousand times a second [`rotor`]
-//! looks at each motor and reports skips. Time at rest costs nothing. Parts may break ([`failing`]).
+//! pushed and rotors are braked ([`Outside`](crate::dynamics::external_forces::Outside)). Ten thousand times a second
+//! [`rotor`] looks at each motor and reports skips. Time at rest costs nothing. Parts may break ([`failing`]).
 //!
 //! A motor at speed has less than its holding torque: the law is [`pull_out`](crate::torque::pull_out), with the speed
 //! of its rotor at the last look.

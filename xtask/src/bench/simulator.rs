@@ -18,8 +18,8 @@ const RUNS: usize = 10;
 /// A stage: its name, and parts of the names of its functions.
 type Stage = (&'static str, &'static [&'static str]);
 
-/// The stages of the sinks. Each is a function that is called once for a batch of events (`cli/src/recorder_threads.rs`), or, the
-/// digest, for 64 KiB of rows.
+/// The stages of the sinks. Each is a function that is called once for a batch of events
+/// (`cli/src/recorder_threads.rs`), or, the digest, for 64 KiB of rows.
 const DIGEST: Stage = ("digest of the trace", &["TraceWriter", "flush"]);
 const ROWS: Stage = ("rows of the trace", &["Writers", "write_rows"]);
 const STAGES: [Stage; 2] = [("figures and checks", &["Judges", "judge"]), ("tool path", &["Judges", "follow"])];

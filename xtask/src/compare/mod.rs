@@ -22,8 +22,8 @@ const SLICED: &str = "../shared/gcode";
 /// The sliced file that prints quickest.
 const QUICKEST: &str = "prusaslicer292_cubehelix_small.gcode";
 
-/// Number of lines that are printed: a quarter, which takes as long as all examples. `cargo xtask test --all` and `cargo
-/// xtask equal` print the whole.
+/// Number of lines that are printed: a quarter, which takes as long as all examples. `cargo xtask test --all` and
+/// `cargo xtask equal` print the whole.
 const LINES: usize = 2000;
 
 /// Machine files with which an example is printed here; `emulator/tests/machines.rs` prints it with them on the image

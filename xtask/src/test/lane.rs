@@ -2,8 +2,8 @@
 //! some tests, a waiting client.
 //!
 //! Images and the page are built in folders of their own, while this computer's programs are built in theirs. A lane
-//! that needs a program then waits for the cargo that builds it. Each further lane is a process of its own. Its output is
-//! kept in a file until the lane that began it has ended, and then shown as it comes.
+//! that needs a program then waits for the cargo that builds it. Each further lane is a process of its own. Its output
+//! is kept in a file until the lane that began it has ended, and then shown as it comes.
 
 use super::Lane;
 use crate::checkout::target_dir;

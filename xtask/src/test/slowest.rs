@@ -2,9 +2,8 @@
 //!
 //! The stable test harness tells no times. It runs each test in a thread of the test's name, of which Linux keeps 15
 //! bytes, and says when the test has ended. So a thread of that name that has gone by then was the test. Threads that a
-//! test begins get its 15 bytes too, and count for it, and so do the programs that it begins. Threads that outlive it, as
-//! rayon's do, have a line of their own.
-//! Two tests of the same 15 bytes that end between two looks count as one.
+//! test begins get its 15 bytes too, and count for it, and so do the programs that it begins. Threads that outlive it,
+//! as rayon's do, have a line of their own. Two tests of the same 15 bytes that end between two looks count as one.
 
 use crate::processor;
 use std::collections::{BTreeMap, BTreeSet};
