@@ -44,6 +44,7 @@ mod assembly;
 mod board_facts;
 #[cfg(target_os = "none")]
 mod board_heat;
+#[cfg(target_os = "none")]
 mod board_storage;
 #[cfg(target_os = "none")]
 mod bus;
@@ -77,6 +78,7 @@ mod image;
 mod machine_at_start;
 #[cfg(target_os = "none")]
 mod motor_power;
+#[cfg(target_os = "none")]
 mod narrow_heaters;
 #[cfg(target_os = "none")]
 mod otg;

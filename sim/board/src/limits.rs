@@ -207,8 +207,8 @@ fn is_named(command: &str, name: &str) -> bool {
 
 /// The number of a word `NAME=`.
 fn pair(command: &str, name: &str) -> Option<f64> {
-    let words = command.split_whitespace().filter_map(|word| word.split_once('='));
-    words.filter(|(known, _)| known.eq_ignore_ascii_case(name)).last()?.1.trim_matches('"').parse().ok()
+    let mut words = command.split_whitespace().filter_map(|word| word.split_once('='));
+    words.rfind(|(known, _)| known.eq_ignore_ascii_case(name))?.1.trim_matches('"').parse().ok()
 }
 
 /// The time of pressure advance in s, if a command sets it.
