@@ -21,7 +21,7 @@ const ROOMS: [&str; 18] = [
     "steps",
     "contour",
     "run",
-    "live",
+    "stepped_machine",
 ];
 
 fn sources(of: &Path) -> Vec<PathBuf> {

@@ -65,6 +65,10 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(300))]
     #[test]
     fn requests_in_any_order_are_answered_the_same(requests in proptest::collection::vec(request(), 1..30)) {
-        compare(&requests);
+        // One address, at the begin. A configuration before it and another address later are not specified (USB 2.0,
+        // sections 9.4.7 and 9.4.6): ours ends a halt then, and stays configured.
+        let mut all = vec![(SET_ADDRESS, Vec::new())];
+        all.extend(requests.into_iter().filter(|(setup, _)| setup[1] != SET_ADDRESS[1]));
+        compare(&all);
     }
 }
