@@ -14,6 +14,8 @@ type Part<'w> = dyn Fn(&mut Replies) -> Result<(), NoRoom> + 'w;
 /// The lines that go ahead.
 pub(in crate::machine) struct Told<'m> {
     ring: &'m mut Replies,
+    /// Whether the ring has lines: asked several times in every turn.
+    has_lines: bool,
     /// The host that they are for.
     to: usize,
     /// Whether lines go ahead now.
@@ -23,7 +25,7 @@ pub(in crate::machine) struct Told<'m> {
 impl<'m> Told<'m> {
     /// None.
     pub(super) const fn new(ring: &'m mut Replies) -> Self {
-        Self { ring, to: 0, is_ahead: false }
+        Self { ring, has_lines: false, to: 0, is_ahead: false }
     }
 
     /// Whether lines to the host being served go ahead from now on.
@@ -32,8 +34,8 @@ impl<'m> Told<'m> {
     }
 
     /// Whether the ring is empty.
-    pub fn are_sent(&self) -> bool {
-        self.ring.are_sent()
+    pub const fn are_sent(&self) -> bool {
+        !self.has_lines
     }
 
     /// Puts a part, all of it or nothing, into the replies of a host, or behind them if it goes ahead; false if there
@@ -46,7 +48,7 @@ impl<'m> Told<'m> {
         if !self.is_ahead || !is_free || part(self.ring).is_err() {
             return false;
         }
-        self.to = to;
+        (self.to, self.has_lines) = (to, true);
         replies.hold(true);
         true
     }
@@ -55,6 +57,7 @@ impl<'m> Told<'m> {
     pub(super) fn forget(&mut self, host: usize) {
         if host == self.to {
             self.ring.clear();
+            self.has_lines = false;
         }
     }
 
@@ -64,6 +67,7 @@ impl<'m> Told<'m> {
             && let Some(host) = hosts.get_mut(self.to)
         {
             host.send_told(self.ring);
+            self.has_lines = !self.ring.are_sent();
         }
     }
 }
