@@ -9,7 +9,10 @@ pub fn is_behind_a_chip(name: &str) -> bool {
     CHIPS.iter().any(|chip| name.contains(chip))
 }
 
+/// Says that no board reads one.
+pub const ABSENT: &str = "no such sensor on this board";
+
 /// What an owner of such a sensor has to do.
 pub fn advice(path: &str) -> String {
-    format!("no such sensor on this board: connect a thermistor or a PT1000, and write it into {path}")
+    format!("{ABSENT}: connect a thermistor or a PT1000, and write it into {path}")
 }

@@ -121,38 +121,19 @@ impl Cause {
     /// Whether the heater may be on whatever the firmware does, so that only the power supply can end it.
     #[must_use]
     pub const fn is_stuck_on(self) -> bool {
-        match self {
-            Self::TooHot | Self::HeatsWhileOff | Self::Overshoot => true,
-            Self::SensorOpen
-            | Self::SensorShort
-            | Self::TooCold
-            | Self::SensorFlickers
-            | Self::SensorFrozen
-            | Self::SensorsSwapped
-            | Self::HeatsTooSlowly
-            | Self::TemperatureLost
-            | Self::FanFailed
-            | Self::Reference
-            | Self::ConverterStopped
-            | Self::SettingsDamaged
-            | Self::SelfTest
-            | Self::ContextHangs
-            | Self::Panic
-            | Self::HardFault
-            | Self::StackOverflow
-            | Self::ClockFailed
-            | Self::Watchdog
-            | Self::Supply
-            | Self::Driver
-            | Self::InterruptStorm
-            | Self::SensorsDiffer => false,
-        }
+        matches!(self.heat(), Heat::On)
     }
 
     /// Whether the heater's temperature is no longer known. A switch that sticks would then heat unseen.
     #[must_use]
     pub const fn hides_heat(self) -> bool {
+        matches!(self.heat(), Heat::Hidden)
+    }
+
+    /// What it tells of a heater's switch.
+    const fn heat(self) -> Heat {
         match self {
+            Self::TooHot | Self::HeatsWhileOff | Self::Overshoot => Heat::On,
             Self::SensorOpen
             | Self::SensorShort
             | Self::TooCold
@@ -162,11 +143,8 @@ impl Cause {
             | Self::HeatsTooSlowly
             | Self::TemperatureLost
             | Self::Reference
-            | Self::ConverterStopped => true,
-            Self::TooHot
-            | Self::HeatsWhileOff
-            | Self::Overshoot
-            | Self::FanFailed
+            | Self::ConverterStopped => Heat::Hidden,
+            Self::FanFailed
             | Self::SettingsDamaged
             | Self::SelfTest
             | Self::ContextHangs
@@ -178,7 +156,7 @@ impl Cause {
             | Self::Supply
             | Self::Driver
             | Self::InterruptStorm
-            | Self::SensorsDiffer => false,
+            | Self::SensorsDiffer => Heat::Other,
         }
     }
 
@@ -312,6 +290,17 @@ impl Cause {
             Self::SensorsDiffer => Some(Limit::Other),
         }
     }
+}
+
+/// What a fault tells of a heater's switch.
+#[derive(Clone, Copy)]
+enum Heat {
+    /// It may stick.
+    On,
+    /// Nothing would show that it sticks.
+    Hidden,
+    /// Nothing.
+    Other,
 }
 
 /// A limit in degrees.

@@ -89,13 +89,13 @@ fn extra_sensors(work: &mut Work<'_>) {
             continue;
         }
         let Some((entry, pin)) = work.pin(&section, "sensor_pin") else { continue };
-        let known = work.value(&section, "sensor_type").is_some_and(|(_, kind)| {
+        let kind = work.value(&section, "sensor_type").map(|(_, kind)| kind);
+        let known = kind.is_some_and(|kind| {
             SENSORS.iter().any(|(known, _)| *known == kind) || config.section(&format!("thermistor {kind}")).is_some()
         });
         if work.pins.sensor(&pin).is_none() || !known {
-            let kind = work.value(&section, "sensor_type").map(|(_, kind)| kind);
             let text = if kind.is_some_and(amplified::is_behind_a_chip) {
-                "no such sensor on this board".into()
+                amplified::ABSENT.to_owned()
             } else {
                 format!("no thermistor of a known kind at an input of the {}", work.pins.connectors.name)
             };
