@@ -5,6 +5,7 @@ mod calibration;
 mod contour;
 mod dynamics;
 mod failing;
+mod grids;
 mod kinematics;
 mod layers;
 mod live;

@@ -1,7 +1,7 @@
 //! Compare: mechanisms of one size, with one belt and the same masses, over one area.
 
 use super::frame::FrameTorque;
-use corehbot_twin::geometry::{Workspace, layout, workspace};
+use corehbot_twin::geometry::{Workspace, greatest, layout, workspace};
 use corehbot_twin::math::hypot;
 use corehbot_twin::model::coordinate::Coordinate;
 use corehbot_twin::model::elastic::{Elastic, Freedom};
@@ -72,7 +72,7 @@ pub struct Compared {
 }
 
 impl Compare {
-    /// Compares them over the area that all of them reach, or another one, at this many columns and rows of it.
+    /// Compares them over the area that all of them reach, or another one, with a search from this many columns and rows of it.
     ///
     /// # Errors
     /// Nothing holds a machine.
@@ -80,12 +80,11 @@ impl Compare {
         params: &Params,
         freedom: Freedom,
         area: Option<Workspace>,
-        [columns, rows]: [usize; 2],
+        grid: [usize; 2],
         force_n: f64,
     ) -> Result<Self, NotHeld> {
         let area = area.unwrap_or_else(|| common(params));
-        let places = area.grid(columns, rows);
-        let one = |machine| compared(machine, params, freedom, area.centre(), &places, force_n);
+        let one = |machine| compared(machine, params, freedom, &area, grid, force_n);
         let machines = COMPARED.into_iter().map(one).collect::<Result<_, _>>()?;
         Ok(Self { x_mm: area.x, y_mm: area.y, force_n, machines })
     }
@@ -109,34 +108,29 @@ fn compared(
     machine: Machine,
     params: &Params,
     freedom: Freedom,
-    centre: Place,
-    places: &[Place],
+    area: &Workspace,
+    grid: [usize; 2],
     force_n: f64,
 ) -> Result<Compared, NotHeld> {
     let setup = |tool| Setup { machine, params: params.clone(), tool, freedom };
-    let mut softest_n_per_mm = [f64::INFINITY, 0.0];
-    let mut first_mode_hz = [f64::INFINITY, 0.0];
-    let mut coupling_n_per_mm = 0.0_f64;
-    let mut frame_modes_hz = params.frame_stiffness_n_per_mm.get(0).map(|_| [f64::INFINITY; 2]);
-    let take = |range: &mut [f64; 2], v: f64| *range = [range[0].min(v), range[1].max(v)];
-    for place in places {
-        let setup = setup(*place);
-        let stiffness = Stiffness::new(&setup)?;
-        take(&mut softest_n_per_mm, stiffness.softest);
-        coupling_n_per_mm = coupling_n_per_mm.max(stiffness.kxy.abs());
-        let modes = modes(&setup.elastic())?;
-        take(&mut first_mode_hz, modes.first().map_or(0.0, |mode| mode.frequency_hz));
-        for (lowest, axis) in frame_modes_hz.iter_mut().flatten().zip(Coordinate::TOOL) {
-            let frame = Ringing::of(&modes, axis).and_then(|ringing| ringing.frame);
-            *lowest = lowest.min(frame.map_or(f64::INFINITY, |mode| mode.frequency_hz));
-        }
-    }
-    let mut racking = [0.0_f64; 2];
-    for place in places {
-        for (most, um) in racking.iter_mut().zip(racking_um(machine, params, *place)?) {
-            *most = most.max(um);
-        }
-    }
+    let centre = area.centre();
+    // The least of a figure is the greatest with the other sign.
+    let [least, stiffest, lowest, highest, coupling_n_per_mm, frame_x, frame_y, racking_x, racking_y] =
+        greatest(area, grid, |place| {
+            let setup = setup(place);
+            let stiffness = Stiffness::new(&setup)?;
+            let modes = modes(&setup.elastic())?;
+            let first = modes.first().map_or(0.0, |mode| mode.frequency_hz);
+            let [frame_x, frame_y] = [Coordinate::X, Coordinate::Y].map(|axis| {
+                let frame = Ringing::of(&modes, axis).and_then(|ringing| ringing.frame);
+                frame.map_or(f64::NEG_INFINITY, |mode| -mode.frequency_hz)
+            });
+            let [racking_x, racking_y] = racking_um(machine, params, place)?;
+            let (soft, kxy) = (stiffness.softest, stiffness.kxy.abs());
+            Ok::<_, NotHeld>([-soft, soft, -first, first, kxy, frame_x, frame_y, racking_x, racking_y])
+        })?;
+    let (softest_n_per_mm, first_mode_hz) = ([-least, stiffest], [-lowest, highest]);
+    let frame_modes_hz = params.frame_stiffness_n_per_mm.get(0).map(|_| [-frame_x, -frame_y]);
     let middle = Stiffness::new(&setup(centre))?;
     let reach = workspace(machine, params);
     let [frame_torque_x, frame_torque_y] = FrameTorque::new(machine, params, centre)?;
@@ -150,8 +144,8 @@ fn compared(
         first_mode_hz,
         coupling_n_per_mm,
         belt_yaw_stiffness_nm_per_rad: belt_yaw(machine, params, centre)?,
-        racking_x_um_per_m_s2: racking[0],
-        racking_y_um_per_m_s2: racking[1],
+        racking_x_um_per_m_s2: racking_x,
+        racking_y_um_per_m_s2: racking_y,
         frame_torque_x,
         frame_torque_y,
         frame_modes_hz,

@@ -3,12 +3,14 @@
 //! Between two stops the belt is the straight line tangent to both circles on the sides where it passes. On a pulley it
 //! wraps from one such line to the next. Nothing here assumes lines along x or y; tests find that these machines have
 //! them. A belt in space runs along the axes, from corner to corner of its line (`upright`). [`workspace()`] is the
-//! resulting reach.
+//! resulting reach, over which [`greatest()`] finds the worst places.
 
+mod greatest;
 mod segment;
 mod upright;
 mod workspace;
 
+pub use greatest::greatest;
 pub use segment::{Segment, Wrap};
 pub use workspace::{Workspace, points, workspace};
 

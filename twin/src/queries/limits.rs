@@ -4,7 +4,7 @@
 //! of each motor. Where the frame is soft, its own mode is a part of the ringing.
 
 use super::{Setup, shown};
-use crate::geometry::workspace;
+use crate::geometry::{Workspace, greatest, workspace};
 use crate::model::coordinate::Coordinate;
 use crate::model::ways::Ways;
 use crate::params::Params;
@@ -15,7 +15,7 @@ use crate::solve::modes::{Ringing, modes};
 use crate::torque::demand::Demand;
 use serde::Serialize;
 
-/// Columns and rows of the grid of places.
+/// Columns and rows of the grid in which the search for the worst places begins.
 const GRID: usize = 7;
 
 /// Limits of all axes that belts move.
@@ -80,7 +80,7 @@ impl Limits {
     pub fn new(setup: &Setup, error_mm: f64, torque_part: f64) -> Result<Self, NotHeld> {
         let Setup { machine, params, .. } = setup;
         let reach = workspace(*machine, params);
-        let worst = worst(setup, &reach.grid(GRID, GRID))?;
+        let worst = worst(setup, &reach)?;
         let ways = Ways::new(*machine, params);
         let masses_kg = machine.masses_kg(params);
         let demand = Demand::new(*machine, params)?;
@@ -113,25 +113,28 @@ impl Limits {
     }
 }
 
-/// The worst of each axis over these places.
-fn worst(setup: &Setup, places: &[Place]) -> Result<[Worst; 3], NotHeld> {
-    let mut all = [Worst { per_speed_s: 0.0, per_acceleration_s2: 0.0, slack_n: f64::INFINITY }; 3];
-    for tool in places {
-        let elastic = Setup { tool: *tool, ..setup.clone() }.elastic();
+/// The worst of each axis over the reach.
+fn worst(setup: &Setup, reach: &Workspace) -> Result<[Worst; 3], NotHeld> {
+    let axes = || Coordinate::TOOL.into_iter().take(setup.machine.axes());
+    let at = |tool: Place| {
+        let elastic = Setup { tool, ..setup.clone() }.elastic();
         let modes = modes(&elastic)?;
-        let axes = all.iter_mut().zip(Coordinate::TOOL).take(setup.machine.axes());
-        for (worst, coordinate) in axes {
+        let mut figures = [f64::NEG_INFINITY; 9];
+        for (own, coordinate) in figures.chunks_mut(3).zip(axes()) {
             let ringing = Ringing::of(&modes, coordinate).ok_or(NotHeld)?;
-            worst.per_speed_s = worst.per_speed_s.max(ringing.over_frequency(1));
-            worst.per_acceleration_s2 = worst.per_acceleration_s2.max(ringing.over_frequency(2));
             let push = Coordinate::TOOL.map(|axis| if axis == coordinate { 1.0 } else { 0.0 });
             let pulled = balance(&elastic, &setup.params, push, &[])?.tensions_n;
-            for (link, tension) in elastic.links.links.iter().zip(pulled) {
-                worst.slack_n = worst.slack_n.min(setup.params.preload_n.of(link.belt) / tension.abs());
-            }
+            let preloads = elastic.links.links.iter().zip(pulled);
+            let slack_n = preloads.map(|(link, tension)| setup.params.preload_n.of(link.belt) / tension.abs());
+            let softest_n = slack_n.fold(f64::INFINITY, f64::min);
+            own.copy_from_slice(&[ringing.over_frequency(1), ringing.over_frequency(2), -softest_n]);
         }
-    }
-    Ok(all)
+        Ok(figures)
+    };
+    let [xs, xa, xn, ys, ya, yn, zs, za, zn] = greatest(reach, [GRID, GRID], at)?;
+    let of =
+        |[per_speed_s, per_acceleration_s2, slack_n]: [f64; 3]| Worst { per_speed_s, per_acceleration_s2, slack_n };
+    Ok([of([xs, xa, -xn]), of([ys, ya, -yn]), of([zs, za, -zn])])
 }
 
 /// From the motor travel and the moving mass.

@@ -12,7 +12,7 @@
 //! Where belts lift the tool, the maps are at half its height. Bands have its lowest and highest places too.
 
 use super::{Setup, shown};
-use crate::geometry::{points, workspace};
+use crate::geometry::{greatest, points, workspace};
 use crate::model::coordinate::Coordinate;
 use crate::model::elastic::Freedom;
 use crate::model::ways::Ways;
@@ -127,8 +127,15 @@ impl Resonance {
         let reach = workspace(setup.machine, &setup.params);
         let (x_mm, y_mm) = (points(reach.x, columns), points(reach.y, rows));
         let at = |tool: Place| modes(&Setup { tool, ..setup.clone() }.elastic());
-        let all = reach.grid(columns, rows).into_iter().map(at).collect::<Result<_, _>>()?;
-        let seen = Seen { setup, columns, rows, all, middle: at(reach.centre())? };
+        let mut all = Vec::new();
+        greatest(&reach, [columns, rows], |tool| {
+            let modes = at(tool)?;
+            let [x, y, z] = Coordinate::TOOL.map(|own| extremes(&modes, own));
+            all.push(modes);
+            Ok::<_, NotHeld>([x[0], x[1], x[2], y[0], y[1], y[2], z[0], z[1], z[2]])
+        })?;
+        let places = columns * rows * reach.heights().len();
+        let seen = Seen { setup, columns, rows, places, all, middle: at(reach.centre())? };
         let [x, y] =
             [(Coordinate::X, Some("X")), (Coordinate::Y, Some("Y"))].map(|(own, letter)| seen.axis(own, letter));
         // The firmware has no shaper for z.
@@ -144,9 +151,23 @@ struct Seen<'s> {
     setup: &'s Setup,
     columns: usize,
     rows: usize,
-    /// At each place of the grid, height after height.
+    /// Places of the grid.
+    places: usize,
+    /// At each place of the grid, height after height, and then where the search for the worst places went.
     all: Vec<Vec<Mode>>,
     middle: Vec<Mode>,
+}
+
+/// Figures that are greatest at the ends of an axis's band and where its coupling is.
+fn extremes(modes: &[Mode], own: Coordinate) -> [f64; 3] {
+    let frequency = mode_of(modes, own).map_or(0.0, |mode| mode.frequency_hz);
+    [-frequency, frequency, coupling(modes, own)]
+}
+
+/// Part of the other axes in the vibration along an axis, of 1.
+fn coupling(modes: &[Mode], own: Coordinate) -> f64 {
+    let others = Coordinate::TOOL.into_iter().filter(|other| *other != own);
+    mode_of(modes, own).map_or(0.0, |mode| others.map(|other| mode.share(other)).sum())
 }
 
 /// Lowest and highest.
@@ -160,14 +181,10 @@ impl Seen<'_> {
         let each: Vec<f64> = self.all.iter().map(frequency).collect();
         // The heights are as many below the map's as above it.
         let a_map = self.columns * self.rows;
-        let below = a_map * (each.len() / a_map / 2);
+        let below = a_map * (self.places / a_map / 2);
         let map = each.iter().copied().skip(below).take(a_map).collect::<Vec<_>>();
         let band_hz = band(each.into_iter());
-        let others = || Coordinate::TOOL.into_iter().filter(|other| *other != own);
-        let part = |modes: &Vec<Mode>| {
-            mode_of(modes, own).map_or(0.0, |mode| others().map(|other| mode.share(other)).sum::<f64>())
-        };
-        let coupling = self.all.iter().map(part).fold(0.0, f64::max);
+        let coupling = self.all.iter().map(|modes| coupling(modes, own)).fold(0.0, f64::max);
         let damping_ratio = mode_of(&self.middle, own).map_or(0.0, |mode| mode.damping_ratio);
         let (shapers, suggestion) = designs(band_hz, damping_ratio);
         let line = suggestion
