@@ -11,8 +11,9 @@ use corehbot_host::progress::Watched;
 use corehbot_host::stop::Stop;
 use corehbot_sim::host::FileHost;
 use corehbot_sim::moves::{MadeMove, ShaperChange};
+use corehbot_sim::slicer::{self, Role};
 use corehbot_sim::world::{self, Sink};
-use corehbot_twin::steps::{Begins, Column, Planned, StepTrace, csv};
+use corehbot_twin::steps::{Begins, Column, LineType, Planned, StepTrace, csv};
 use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -92,7 +93,13 @@ fn print(path: &Path, plate: Plate, printer: &Printer, stop: &Stop) -> Result<St
     if outcome.halted {
         bail!("{name}: the print failed: an emergency stop holds");
     }
-    Ok(log.steps)
+    let mut steps = log.steps;
+    steps.line_types = host.notes().types().iter().map(line_type).collect();
+    Ok(steps)
+}
+
+fn line_type(named: &slicer::LineType) -> LineType {
+    LineType { name: named.name.clone(), is_printed: !matches!(named.role, Role::Travel | Role::Purge) }
 }
 
 /// The firmware's steps for G-code that begins at a place, as if homed there.
@@ -173,7 +180,13 @@ impl Sink for Log {
         };
         // A move begins with its first copy.
         let ticks = [made.begin, made.end() + late];
-        self.steps.plan.push(Planned { ticks, way_mm: [x, y], begins, is_touch: made.is_watched });
+        self.steps.plan.push(Planned {
+            ticks,
+            way_mm: [x, y],
+            begins,
+            is_touch: made.is_watched,
+            line_type: made.source.kind,
+        });
         self.was_watched = made.is_watched;
     }
 

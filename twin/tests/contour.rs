@@ -222,7 +222,7 @@ fn a_planned_line_has_no_steps_in_it() {
         let tick = |way: f64| (way / speed * TICKS_PER_SECOND) as u64;
         let ticks = [tick(way), tick(way + length)];
         let way_mm = [to[0] - from[0], to[1] - from[1]];
-        trace.plan.push(Planned { ticks, way_mm, begins: Begins::AtTheEnd, is_touch: false });
+        trace.plan.push(Planned { ticks, way_mm, begins: Begins::AtTheEnd, is_touch: false, line_type: 0 });
         (from, way) = (*to, way + length);
     }
     let planned = play(&trace);

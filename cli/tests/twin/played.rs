@@ -35,6 +35,38 @@ fn a_file_is_played_as_g_code_and_as_the_trace_of_it_alike() {
     assert_eq!(hbot["motors"].as_array().unwrap().len(), 2);
 }
 
+/// Walls are slow and travel is fast, so travel rings more. Both together make the whole, by time.
+#[test]
+fn each_type_of_line_has_its_error_and_travel_has_its_own() {
+    let wall = "G1 X120 E1 F1200\nG1 Y120 E2\nG1 X100 E3\nG1 Y100 E4\n";
+    let gcode = format!(
+        "M302 P1\nM83\n;TYPE:External perimeter\n{wall};TYPE:Internal infill\nG1 X118 Y118 F4800 E1\n\
+         G0 X100 Y100 F18000\nM400\n"
+    );
+    let file = file("types.gcode", &gcode);
+    let a = json(&format!("run {} --assume-homed 100,100,0", file.display()));
+    let rows = a["by_type"].as_array().unwrap();
+    let names: Vec<_> = rows.iter().map(|row| row["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["External perimeter", "Internal infill", "all printed lines", "Travel"], "{a}");
+    let of = |row: usize, key: &str| rows[row][key].as_f64().unwrap();
+    assert!(of(0, "rms_um") < of(1, "rms_um") && of(1, "rms_um") < of(3, "rms_um"), "{a}");
+    assert!((0..4).all(|row| of(row, "rms_um") < of(row, "mostly_um") && of(row, "mostly_um") <= of(row, "max_um")));
+    // 80 mm at 20 mm/s, 25.5 mm at 80 mm/s.
+    assert!((of(0, "seconds") - 4.0).abs() < 0.1 && (of(1, "seconds") - 0.35).abs() < 0.1, "{a}");
+    let square = |row: usize| of(row, "seconds") * of(row, "rms_um").powi(2);
+    let [whole, printed] = [square(2) + square(3), square(0) + square(1)];
+    let seconds = of(2, "seconds") + of(3, "seconds");
+    let rms_um = 1000.0 * a["contour"]["rms_mm"].as_f64().unwrap();
+    assert!(((whole / seconds).sqrt() / rms_um - 1.0).abs() < 1e-6, "{a}");
+    assert!((printed / square(2) - 1.0).abs() < 1e-6, "{a}");
+    // A trace has no types.
+    let trace = file.with_extension("csv");
+    let mut run = Command::new(env!("CARGO_BIN_EXE_corehbot"));
+    run.arg("run").arg(&file).arg("--trace").arg(&trace).args(["--assume-homed", "100,100,0"]);
+    assert!(run.output().unwrap().status.success());
+    assert!(json(&format!("run {} --assume-homed 100,100,0", trace.display()))["by_type"].is_null());
+}
+
 /// Sides of 2048 steps, on which all four corners were lost. And a zigzag with lines 0.1 mm apart, which was measured
 /// against neighbouring lines when it was compared with another file.
 #[test]

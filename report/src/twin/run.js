@@ -107,6 +107,8 @@ const curves = make("section", { className: "card panel", ariaLabel: "Over time"
 const worst = R.corners.slice(0, WORST).map((c, i) => [pushButton(`${i + 1}.  ${c.x_mm.toFixed(2)}, ${c.y_mm.toFixed(2)}`, "Show this corner", () => showCorner(c)), seconds(c.time_s), c.turn_deg.toFixed(0) + "\u00b0", mm(c.rounding_mm), mm(c.overshoot_mm), c.bisector_mm === null ? "\u2013" : mm(c.bisector_mm)]);
 const corners = card("Worst corners", worst.length ? table(["Place, mm", "Time", "Turn", "Inside", "Outside", "Bisector"], worst) : note("None."),
   note("Bisector: where the tool crossed the line that halves the corner, inside positive." + (R.corners_unmatched ? ` ${R.corners_unmatched} more corners could not be matched: their lines are too short, or the tool was nowhere near.` : "")));
+const types = (R.by_type || []).map(t => [t.name, clock(t.seconds), t.rms_um.toFixed(1), t.mostly_um.toFixed(1), pushButton(t.max_um.toFixed(1), "Show the place", () => showCorner(t))]);
+const byType = types.length ? card("Error by type of line, \u00b5m", table(["Type", "Time", "RMS", "99.9 %", "Greatest"], types, "figures"), note("99.9 %: not exceeded for so much of the time.")) : null;
 const motors = table(["Motor", "Greatest torque", "Left", "Slips"], R.motors.map(m => [m.motor, m.torque_max_mNm.toFixed(1) + " mN m", percent(m.margin), m.slips ? `${m.slips}, ${m.full_steps_off} full steps off` : "0"]), "figures");
 const belt = table(["", ""], [...Object.entries(R.tension_N).map(([name, [a, b]]) => [`span ${name}`, `${a.toFixed(1)} to ${b.toFixed(1)} N`]), ["residual commanded", mm(R.commanded_residual_mm)], ["residual", mm(R.residual_mm)]], "figures");
 const slipped = R.motors.filter(m => m.slips).map(m => `motor ${m.motor} ${m.slips} times, ${m.full_steps_off} full steps off`).join("; ");
@@ -119,6 +121,6 @@ show(fileName(D.file),
     [least.toFixed(1), "N", "least tension"], [percent(margin).split(" ")[0], "%", "torque left"], [R.yaw_torque_Nm.toFixed(2), "N m", "greatest yaw torque"], [(1000 * R.frame_torque_Nm).toFixed(1), "mN m", "greatest torque on the frame"],
     [R.times_real_time.toFixed(0), "\u00d7", "real time"],
   ]),
-  path, curves,
+  path, byType, curves,
   make("section", { className: "pair" }, corners, make("section", { className: "card panel" }, make("h2", { textContent: "Motors" }), motors, make("h2", { textContent: "Belt" }), belt)),
   resonanceCards(D.resonance, "with idlers and rotors"));

@@ -6,6 +6,7 @@
 //! overshoot.
 
 use super::corner::{Corner, corners, cross};
+use super::line_types::LineTypes;
 use super::pace::Pace;
 use super::path::{Vertex, nearest};
 use super::touches::Touches;
@@ -65,6 +66,8 @@ pub struct ContourError {
     pub touch_mm: f64,
     /// First line to search.
     first: usize,
+    /// Errors on each type of line.
+    pub line_types: LineTypes,
     /// Displacements of the tool from the line, for pictures.
     pub trail: Trail,
     /// Largest distance.
@@ -103,6 +106,7 @@ impl ContourError {
             touches: Touches::default(),
             touch_mm: 0.0,
             first: 0,
+            line_types: LineTypes::default(),
             trail: Trail::default(),
             greatest_mm: 0.0,
             squares: 0.0,
@@ -114,6 +118,12 @@ impl ContourError {
     #[must_use]
     pub fn at_pace(self, pace: Pace) -> Self {
         Self { pace: Some(pace), ..self }
+    }
+
+    /// The same with the errors on each type of line apart, too.
+    #[must_use]
+    pub fn of_types(self, line_types: LineTypes) -> Self {
+        Self { line_types, ..self }
     }
 
     /// The same with the errors in touches apart, and without their corners.
@@ -145,6 +155,7 @@ impl ContourError {
             self.greatest_mm = self.greatest_mm.max(distance);
             self.squares += distance * distance;
             self.samples += 1;
+            self.line_types.add(line + 1, distance, tick, tool);
         }
         if let Some(error) = self.errors_mm.get_mut(line + 1) {
             *error = error.max(distance as f32);

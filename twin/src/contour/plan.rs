@@ -3,6 +3,7 @@
 //! Ways add up from the place where the trace begins. A switch ends a move somewhere; then the next one begins where
 //! the motors stand.
 
+use super::line_types::NO_TYPE;
 use super::path::Vertex;
 use crate::math::hypot;
 use crate::steps::{Begins, Planned};
@@ -15,6 +16,8 @@ pub struct PlanBuilder<'p> {
     /// Where the motors stand.
     sent: [f64; 2],
     vertices: Vec<Vertex>,
+    /// The type of the line that ends at each of them.
+    line_types: Vec<u16>,
 }
 
 impl<'p> PlanBuilder<'p> {
@@ -22,7 +25,7 @@ impl<'p> PlanBuilder<'p> {
     #[must_use]
     pub fn new(at: [f64; 2], plan: &'p [Planned], step_mm: f64) -> Self {
         let vertices = vec![Vertex { at, tick: 0 }];
-        Self { moves: plan.iter().peekable(), step_mm, sent: at, vertices }
+        Self { moves: plan.iter().peekable(), step_mm, sent: at, vertices, line_types: vec![NO_TYPE] }
     }
 
     /// The motors are sent to a place.
@@ -44,20 +47,22 @@ impl<'p> PlanBuilder<'p> {
         let from = if is_elsewhere { self.sent } else { last.at };
         if is_elsewhere {
             self.vertices.push(Vertex { at: from, tick: planned.ticks[0] });
+            self.line_types.push(NO_TYPE);
         }
         let [x, y] = planned.way_mm;
         if [x, y] != [0.0; 2] {
             self.vertices.push(Vertex { at: [from[0] + x, from[1] + y], tick: planned.ticks[1] });
+            self.line_types.push(planned.line_type);
         }
     }
 
-    /// The whole line.
+    /// The whole line, and the type of the part that ends at each vertex.
     #[must_use]
-    pub fn finish(mut self) -> Vec<Vertex> {
+    pub fn finish(mut self) -> (Vec<Vertex>, Vec<u16>) {
         while let Some(planned) = self.moves.next() {
             self.take(planned);
         }
-        self.vertices
+        (self.vertices, self.line_types)
     }
 }
 
@@ -66,7 +71,7 @@ mod tests {
     use super::*;
 
     fn planned(ticks: [u64; 2], way_mm: [f64; 2], begins: Begins) -> Planned {
-        Planned { ticks, way_mm, begins, is_touch: false }
+        Planned { ticks, way_mm, begins, is_touch: false, line_type: 1 }
     }
 
     #[test]
@@ -81,8 +86,10 @@ mod tests {
         for (x, y, tick) in [(1.1, 2.0, 50), (1.3, 2.0, 99), (2.5, 2.0, 180), (2.5, 2.5, 450), (2.5, 3.0, 490)] {
             line.add([x, y], tick);
         }
-        let found: Vec<[f64; 2]> = line.finish().iter().map(|vertex| vertex.at).collect();
+        let (line, types) = line.finish();
+        let found: Vec<[f64; 2]> = line.iter().map(|vertex| vertex.at).collect();
         let known = [[1.0, 2.0], [1.3001, 2.0], [6.3001, 2.0], [2.5, 2.0], [2.5, 3.0001]];
         assert!(found.iter().flatten().zip(known.iter().flatten()).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?}");
+        assert_eq!(types, [NO_TYPE, 1, 1, NO_TYPE, 1]);
     }
 }

@@ -34,8 +34,13 @@ mod tests {
 
     #[test]
     fn a_touch_ends_where_the_next_move_begins_and_rings_out() {
-        let planned =
-            |from, to, is_touch| Planned { ticks: [from, to], way_mm: [1.0, 0.0], begins: Begins::AtTheEnd, is_touch };
+        let planned = |from, to, is_touch| Planned {
+            ticks: [from, to],
+            way_mm: [1.0, 0.0],
+            begins: Begins::AtTheEnd,
+            is_touch,
+            line_type: 0,
+        };
         let mut trace = StepTrace::new(Vec::new(), 0.0125);
         trace.plan = vec![planned(0, 1000, false), planned(1000, 90_000_000, true), planned(5000, 6000, false)];
         let touches = Touches::of(&trace);

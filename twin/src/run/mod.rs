@@ -9,6 +9,7 @@ pub mod series;
 pub mod watch;
 
 use crate::contour::error::{ContourError, Window};
+use crate::contour::line_types::LineTypes;
 use crate::contour::pace::{Pace, Places};
 use crate::contour::path::{PathBuilder, Vertex};
 use crate::contour::plan::PlanBuilder;
@@ -220,13 +221,15 @@ struct Line {
     residual_mm: f64,
     /// How far the line itself may be from the planned one.
     share_mm: f64,
+    /// Types of its parts.
+    types: LineTypes,
 }
 
 impl Line {
     /// Errors of the tool and of commanded places from it.
     fn errors(self, window: Window) -> Errors {
         let tool = ContourError::new(self.path, &self.places, window);
-        Errors { commanded: tool.clone(), tool, line_share_mm: self.share_mm }
+        Errors { commanded: tool.clone(), tool: tool.of_types(self.types), line_share_mm: self.share_mm }
     }
 
     fn new(machine: Machine, plant: &Plant, drives: &[Drive], trace: &StepTrace) -> Self {
@@ -258,11 +261,15 @@ impl Line {
             residual_mm = residual_mm.max(strain);
             before = Some(sent);
         }
-        let (path, share_mm) = match trace.plan.is_empty() {
-            true => (path.finish(), trace.step_mm),
-            false => (plan.finish(), 0.0),
+        let (path, share_mm, of_lines) = match trace.plan.is_empty() {
+            true => (path.finish(), trace.step_mm, Vec::new()),
+            false => {
+                let (line, types) = plan.finish();
+                (line, 0.0, types)
+            }
         };
-        Self { path, places: places.finish(), taken, residual_mm, share_mm }
+        let types = LineTypes::new(trace.line_types.clone(), of_lines);
+        Self { path, places: places.finish(), taken, residual_mm, share_mm, types }
     }
 }
 

@@ -1,10 +1,13 @@
 //! Report: the results of a played trace.
 
+use super::LOOK;
 use super::watch::Watch;
 use crate::contour::corner::{Corner, LEAST_LINE_MM};
+use crate::contour::line_types::TypeErrors;
 use crate::params::Params;
 use crate::queries::shown;
 use crate::routing::Machine;
+use crate::steps::TICKS_PER_SECOND;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -24,6 +27,9 @@ pub struct Report {
     pub events: usize,
     /// Errors of the tool.
     pub contour: ContourFigures,
+    /// The same for each type of line, where the slicer's comments tell them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub by_type: Vec<TypeFigures>,
     /// Number of all corners of the line at which the tool was seen.
     pub corners_total: usize,
     /// Number of corners without results: between lines shorter than [`LEAST_LINE_MM`], or with the tool nowhere near.
@@ -83,6 +89,18 @@ pub struct ContourFigures {
     /// Largest in touches of switches, until their stops have rung out: in no other figure. 0 without a touch, and if
     /// only steps are known: then touches are not told apart.
     pub touch_max_mm: f64,
+}
+
+/// Errors of the tool on lines of a type.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TypeFigures {
+    /// The errors.
+    #[serde(flatten)]
+    pub errors: TypeErrors,
+    /// Time of the tool on them, as far as it moved.
+    pub seconds: f64,
+    /// Time at which the largest occurred.
+    pub time_s: f64,
 }
 
 /// A corner.
@@ -167,6 +185,7 @@ impl Report {
             duration_s,
             events,
             contour,
+            by_type: watch.contour.line_types.told().into_iter().map(TypeFigures::new).collect(),
             corners_total: corners.len(),
             corners_unmatched: watch.contour.without_lines + unseen.len(),
             corners: corners.iter().take(LISTED).map(figures).collect(),
@@ -186,6 +205,13 @@ impl Report {
     }
 }
 
+impl TypeFigures {
+    fn new(errors: TypeErrors) -> Self {
+        let seconds = (errors.samples * LOOK) as f64 / TICKS_PER_SECOND;
+        Self { seconds, time_s: errors.tick as f64 / TICKS_PER_SECOND, errors }
+    }
+}
+
 fn figures(corner: &Corner) -> CornerFigures {
     CornerFigures {
         x_mm: corner.at[0],
@@ -195,6 +221,23 @@ fn figures(corner: &Corner) -> CornerFigures {
         rounding_mm: corner.rounding_mm,
         overshoot_mm: corner.overshoot_mm,
         bisector_mm: corner.bisector_mm,
+    }
+}
+
+impl Report {
+    /// A line for each type of line.
+    fn write_types(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if self.by_type.is_empty() {
+            return Ok(());
+        }
+        let (rms, mostly, max) = ("RMS um", "99.9 % um", "max um");
+        writeln!(f, "  {:<22} {:>10} {rms:>8} {mostly:>10} {max:>8}", "by type of line", "time")?;
+        for TypeFigures { errors, seconds, time_s } in &self.by_type {
+            let TypeErrors { name, rms_um, mostly_um, max_um, x_mm, y_mm, .. } = errors;
+            write!(f, "    {name:<20} {seconds:>8.1} s {rms_um:>8.1} {mostly_um:>10.1} {max_um:>8.1}")?;
+            writeln!(f, " at ({x_mm:.2}, {y_mm:.2}), {time_s:.3} s")?;
+        }
+        Ok(())
     }
 }
 
@@ -216,6 +259,7 @@ impl std::fmt::Display for Report {
                 "  in touches      max {touch_max_mm:.4} mm: stops at switches ring; not in the other figures"
             )?;
         }
+        self.write_types(f)?;
         write!(f, "  commanded       max {commanded_max_mm:.4} mm, RMS {commanded_rms_mm:.4} mm off the ")?;
         match line_share_mm {
             0.0 => writeln!(f, "planned line: rounding to steps, and shaping")?,

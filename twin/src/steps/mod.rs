@@ -42,6 +42,17 @@ pub struct Planned {
     pub begins: Begins,
     /// Whether a switch or a probe may end it.
     pub is_touch: bool,
+    /// Its type of line, an index into [`StepTrace::line_types`].
+    pub line_type: u16,
+}
+
+/// A type of line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LineType {
+    /// Its name by the slicer, or the word for other moves.
+    pub name: String,
+    /// Whether such lines are a part of the print: they lay filament, and not to clean the nozzle.
+    pub is_printed: bool,
 }
 
 /// Where a planned move begins.
@@ -66,6 +77,8 @@ pub struct StepTrace {
     pub events: Vec<Event>,
     /// The planned moves in order; empty if only the steps are known.
     pub plan: Vec<Planned>,
+    /// The types of lines in the plan; empty if they are not known.
+    pub line_types: Vec<LineType>,
     last: u64,
 }
 
@@ -73,7 +86,7 @@ impl StepTrace {
     /// A trace without steps.
     #[must_use]
     pub const fn new(columns: Vec<Column>, step_mm: f64) -> Self {
-        Self { columns, step_mm, events: Vec::new(), plan: Vec::new(), last: 0 }
+        Self { columns, step_mm, events: Vec::new(), plan: Vec::new(), line_types: Vec::new(), last: 0 }
     }
 
     /// Adds an instant; one before the last counts as the last.
