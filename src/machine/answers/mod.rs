@@ -1,7 +1,7 @@
-//! Answers: the result of a command as a value, and the speaker that sends it.
+//! Answers: the result of a command as a value, and the writer that sends it.
 //!
-//! A command returns an [`answer::Answer`]. `reports` words it and sends it through the [`speaker::Speaker`], one part
-//! after the other. Nothing here knows the Console.
+//! A command returns an [`answer::Answer`]. `reports` words it and sends it through the
+//! [`reply_writer::ReplyWriter`], one part after the other. Nothing here knows the Console.
 //!
 //! | file | is for |
 //! |---|---|
@@ -19,7 +19,7 @@
 //! | [`probe_answer`] | answers of the Z probe |
 //! | [`storage_news`] | results of M500 to M504 and of the start |
 //! | [`message`] | a message from one host to others (M118), as they read it |
-//! | [`speaker`] | sends each part once and in order, for any free room |
+//! | [`reply_writer`] | sends each part once and in order, for any free room |
 //!
 //! | word | means |
 //! |---|---|
@@ -35,10 +35,10 @@ pub(in crate::machine) mod mesh_answer;
 pub(in crate::machine) mod message;
 pub(in crate::machine) mod next_step;
 pub(in crate::machine) mod probe_answer;
+pub(in crate::machine) mod reply_writer;
 pub(in crate::machine) mod resonance_answer;
 pub(in crate::machine) mod says;
 pub(in crate::machine) mod screw_answer;
 pub(in crate::machine) mod setting;
-pub(in crate::machine) mod speaker;
 pub(in crate::machine) mod storage_news;
 pub(in crate::machine) mod words;

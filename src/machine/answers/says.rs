@@ -1,6 +1,6 @@
 //! Words in the file of a command: a function that says them, and the values that the command keeps for itself.
 
-use super::speaker::Speaker;
+use super::reply_writer::ReplyWriter;
 use crate::connectors::Heater;
 use crate::settings::Settings;
 use crate::status::Status;
@@ -21,7 +21,7 @@ impl Facts<'_> {
 }
 
 /// Says the words.
-pub(in crate::machine) type Say = fn(&mut Speaker<'_>, &Facts<'_>);
+pub(in crate::machine) type Say = fn(&mut ReplyWriter<'_>, &Facts<'_>);
 
 /// An answer with words of its own.
 #[derive(Clone, Copy)]
@@ -36,7 +36,7 @@ impl Says {
     }
 
     /// Says it to `to`.
-    pub fn write(&self, to: &mut Speaker<'_>, settings: &Settings, status: &Status) {
+    pub fn write(&self, to: &mut ReplyWriter<'_>, settings: &Settings, status: &Status) {
         (self.say)(to, &Facts { settings, status, number: self.number });
     }
 }

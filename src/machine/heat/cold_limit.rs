@@ -3,8 +3,8 @@
 use crate::connectors::Heater;
 use crate::gcode::{Entry, Grammar, Number, TableCommand};
 use crate::machine::answers::answer::Answer;
+use crate::machine::answers::reply_writer::ReplyWriter;
 use crate::machine::answers::says::Facts;
-use crate::machine::answers::speaker::Speaker;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::numbers::shortest;
 use crate::machine::ports::PortSet;
@@ -57,7 +57,7 @@ pub(in crate::machine) fn carry_out<'a, P: PortSet, W: Wake>(
     Answer::Nothing
 }
 
-fn say_state(to: &mut Speaker<'_>, facts: &Facts<'_>) {
+fn say_state(to: &mut ReplyWriter<'_>, facts: &Facts<'_>) {
     let least = facts.settings.thermal.min_extrude;
     let state = if facts.number != 0 || least <= Celsius::ZERO { "enabled" } else { "disabled" };
     to.say(text!("echo:Cold extrudes are {state} (min temp {}C)", shortest(least)));

@@ -2,8 +2,8 @@
 
 use super::{Answer, Entry, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::gcode::{Grammar, Mark, Nature};
+use crate::machine::answers::reply_writer::ReplyWriter;
 use crate::machine::answers::says::Facts;
-use crate::machine::answers::speaker::Speaker;
 use crate::machine::hosts::schedule::Report;
 use crate::machine::messages::auto_reports::report_every;
 use crate::machine::reports::fan_report::FanTurns;
@@ -30,7 +30,7 @@ pub(in crate::machine) fn carry_out<'a, P: PortSet, W: Wake>(
     }
 }
 
-fn say_turns(to: &mut Speaker<'_>, facts: &Facts<'_>) {
+fn say_turns(to: &mut ReplyWriter<'_>, facts: &Facts<'_>) {
     let turns = FanTurns { settings: facts.settings, heat: facts.status.heat() };
     if turns.has_any() {
         to.say(text!("{turns}"));

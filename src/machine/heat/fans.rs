@@ -3,8 +3,8 @@
 use crate::gcode::{Absent, Named, Number, Part, TableCommand};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::next_step::NextStep;
+use crate::machine::answers::reply_writer::ReplyWriter;
 use crate::machine::answers::says::Facts;
-use crate::machine::answers::speaker::Speaker;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::states::States;
@@ -44,11 +44,11 @@ pub(in crate::machine) fn order_fan<P: PortSet, W: Wake>(
 }
 
 /// Something else decides on it.
-fn say_not_commanded(to: &mut Speaker<'_>, facts: &Facts<'_>) {
+fn say_not_commanded(to: &mut ReplyWriter<'_>, facts: &Facts<'_>) {
     to.say(text!("echo:fan {} is not commanded", facts.number));
 }
 
-fn say_no_fan(to: &mut Speaker<'_>, facts: &Facts<'_>) {
+fn say_no_fan(to: &mut ReplyWriter<'_>, facts: &Facts<'_>) {
     // P is read into a byte, so this one stands for every greater number, too.
     if facts.number == i32::from(u8::MAX) {
         to.say(text!("echo:M106 ignored: there is no fan of that number"));

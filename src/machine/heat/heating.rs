@@ -9,8 +9,8 @@ use crate::fault::Fault;
 use crate::gcode::{Number, TableCommand};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::next_step::NextStep;
+use crate::machine::answers::reply_writer::ReplyWriter;
 use crate::machine::answers::says::Facts;
-use crate::machine::answers::speaker::Speaker;
 use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
@@ -278,7 +278,7 @@ pub(in crate::machine) async fn heat_again<P: PortSet, W: Wake>(
 }
 
 /// A heater that a command is for is not fitted, but others are.
-fn say_no_heater(to: &mut Speaker<'_>, facts: &Facts<'_>) {
+fn say_no_heater(to: &mut ReplyWriter<'_>, facts: &Facts<'_>) {
     to.say(text!("echo:no {} configured, ignored", facts.heater()));
 }
 

@@ -9,7 +9,7 @@ use crate::driver;
 use crate::fault::Fault;
 use crate::gcode::{Command, Mark};
 use crate::machine::answers::answer::Answer;
-use crate::machine::answers::speaker::Progress;
+use crate::machine::answers::reply_writer::Progress;
 use crate::machine::hosts::host::Text;
 use crate::machine::hosts::request::{Parse, Request};
 use crate::machine::interrupt::Restart;

@@ -63,7 +63,7 @@ use self::motion::hand_on::Fed;
 use self::power::Power;
 use self::settings::SettingsInUse;
 use crate::kinematics::Groupings;
-use crate::machine::answers::speaker::Progress;
+use crate::machine::answers::reply_writer::Progress;
 use crate::machine::hosts::host::HostMemory;
 use crate::machine::hosts::serving::Hosts;
 use crate::machine::interrupt::Interrupt;

@@ -8,8 +8,8 @@ use crate::connectors::Heater;
 use crate::gcode::{Absent, Flaw, Named, Part};
 use crate::kinematics::Grouping;
 use crate::machine::answers::answer::Answer;
+use crate::machine::answers::reply_writer::{Progress, ReplyWriter};
 use crate::machine::answers::setting::Setting;
-use crate::machine::answers::speaker::{Progress, Speaker};
 use crate::machine::hosts::schedule::Report;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
@@ -60,7 +60,7 @@ impl<'m, P: PortSet, W: Wake> MainLoop<'m, P, W> {
         self.progress = Progress::default();
         self.progress.begin();
         self.hosts.output().0.go_ahead(true);
-        Speaker::new(&mut self.progress, &mut self.hosts).say(line);
+        ReplyWriter::new(&mut self.progress, &mut self.hosts).say(line);
         debug_assert!(self.progress.is_complete(), "no command tells more than there is room for");
         self.hosts.output().0.go_ahead(false);
     }
@@ -106,10 +106,10 @@ impl<'m, P: PortSet, W: Wake> MainLoop<'m, P, W> {
     fn reply_answer(&mut self, answer: &Answer<'_>) {
         if let Answer::Position { real } = *answer {
             let position = self.position(real);
-            return Speaker::new(&mut self.progress, &mut self.hosts).say(text!("{position}"));
+            return ReplyWriter::new(&mut self.progress, &mut self.hosts).say(text!("{position}"));
         }
         if let Answer::Says(says) = answer {
-            let to = &mut Speaker::new(&mut self.progress, &mut self.hosts);
+            let to = &mut ReplyWriter::new(&mut self.progress, &mut self.hosts);
             return says.write(to, &self.settings, self.status);
         }
         // These need all of the main loop, which is taken apart in the next lines.
@@ -119,7 +119,7 @@ impl<'m, P: PortSet, W: Wake> MainLoop<'m, P, W> {
             hosts, progress, settings, motion, status, power, board, storage, trimming, bed, first_layer, ..
         } = self;
         let s: &Settings = settings;
-        let to = &mut Speaker::new(progress, hosts);
+        let to = &mut ReplyWriter::new(progress, hosts);
         match *answer {
             Answer::Nothing
             | Answer::Then(_)
@@ -202,11 +202,11 @@ impl<'m, P: PortSet, W: Wake> MainLoop<'m, P, W> {
     /// Writes `ok`, with the queue state for a host that fills a window, if it is wanted.
     fn reply_ok(&mut self) {
         if !self.settings.advanced_ok {
-            return Speaker::new(&mut self.progress, &mut self.hosts).put(&Replies::ok);
+            return ReplyWriter::new(&mut self.progress, &mut self.hosts).put(&Replies::ok);
         }
         let (line, bytes) = self.hosts.window();
         let moves = self.motion.room(&self.settings);
-        Speaker::new(&mut self.progress, &mut self.hosts).put(&|replies| replies.advanced_ok(line, moves, bytes));
+        ReplyWriter::new(&mut self.progress, &mut self.hosts).put(&|replies| replies.advanced_ok(line, moves, bytes));
     }
 
     /// Answers lines that were taken out of their turn, so that the bytes behind them can be read.
@@ -241,7 +241,7 @@ impl<'m, P: PortSet, W: Wake> MainLoop<'m, P, W> {
 
 /// Says which part of a machine a line was for that is not there. OctoPrint learns from its own words for tools which
 /// ones there are (comm.py, "Invalid extruder").
-fn report_absent(to: &mut Speaker<'_>, absent: &Absent<'_>) {
+fn report_absent(to: &mut ReplyWriter<'_>, absent: &Absent<'_>) {
     let which = Echo(absent.which);
     let part = absent.part.name();
     match (absent.command, absent.part) {
@@ -256,7 +256,7 @@ fn report_absent(to: &mut Speaker<'_>, absent: &Absent<'_>) {
 }
 
 /// Says why a line was not carried out.
-fn report_malformed(to: &mut Speaker<'_>, flaw: Flaw<'_>) {
+fn report_malformed(to: &mut ReplyWriter<'_>, flaw: Flaw<'_>) {
     match flaw {
         Flaw::NoWord(text) => {
             to.say(text!("echo:line ignored: \"{}\" is not a letter with a number", Echo(text)));

@@ -8,8 +8,8 @@
 use crate::gcode::{Absent, AxisWords, Named, Number, Part};
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::driver_value::DriverValue;
+use crate::machine::answers::reply_writer::ReplyWriter;
 use crate::machine::answers::says::Facts;
-use crate::machine::answers::speaker::Speaker;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::reports::driver_report::{report_driver_values, report_own_driver_values};
@@ -101,15 +101,15 @@ pub(in crate::machine) fn set_drivers<P: PortSet, W: Wake>(
 }
 
 /// The values of each axis, and of each motor that has its own.
-fn say_all(to: &mut Speaker<'_>, facts: &Facts<'_>) {
+fn say_all(to: &mut ReplyWriter<'_>, facts: &Facts<'_>) {
     report_driver_values(to, DriverValue::of(facts.number), facts.settings);
 }
 
-fn say_own(to: &mut Speaker<'_>, facts: &Facts<'_>) {
+fn say_own(to: &mut ReplyWriter<'_>, facts: &Facts<'_>) {
     report_own_driver_values(to, DriverValue::of(facts.number), facts.settings);
 }
 
-fn say_one_belt(to: &mut Speaker<'_>, facts: &Facts<'_>) {
+fn say_one_belt(to: &mut ReplyWriter<'_>, facts: &Facts<'_>) {
     let code = DriverValue::of(facts.number).code();
     to.say(text!("echo:{code} ignored: X and Y move one belt and need the same value"));
 }

@@ -3,7 +3,7 @@
 
 use crate::kinematics::{Residual, Residuals};
 use crate::machine::answers::belt_answer::{AlignError, BeltAnswer, Diagnosis};
-use crate::machine::answers::speaker::Speaker;
+use crate::machine::answers::reply_writer::ReplyWriter;
 use crate::machine::numbers::Thousandths;
 use crate::machine::state::pulleys::{Shift, TURN};
 use crate::machine::state::trimming::{Found, Trimming};
@@ -80,7 +80,12 @@ fn length(steps: i32, resolution: StepsPerMm) -> Thousandths {
 }
 
 /// The lines of an answer.
-pub(in crate::machine) fn report_belt(to: &mut Speaker<'_>, answer: &BeltAnswer, trimming: &Trimming, s: &Settings) {
+pub(in crate::machine) fn report_belt(
+    to: &mut ReplyWriter<'_>,
+    answer: &BeltAnswer,
+    trimming: &Trimming,
+    s: &Settings,
+) {
     let per_mm = s.axes.x.steps_per_mm;
     match *answer {
         BeltAnswer::State => {
@@ -205,7 +210,7 @@ pub(in crate::machine) fn report_belt(to: &mut Speaker<'_>, answer: &BeltAnswer,
 }
 
 /// Reports the finding for each residual.
-fn report_found(to: &mut Speaker<'_>, begin: &str, trimming: &Trimming, s: &Settings) {
+fn report_found(to: &mut ReplyWriter<'_>, begin: &str, trimming: &Trimming, s: &Settings) {
     let residuals = Residuals::new(&s.mechanism, s.belt.is_closed);
     for (number, residual) in residuals.iter().enumerate() {
         let Some(Found { was, within, .. }) = trimming.found(number) else { continue };

@@ -1,7 +1,7 @@
 //! The reports of STEPPER_BUZZ: which motor moved how far, and which ones were held.
 
 use crate::machine::answers::buzz_answer::BuzzAnswer;
-use crate::machine::answers::speaker::Speaker;
+use crate::machine::answers::reply_writer::ReplyWriter;
 use crate::machine::numbers::Thousandths;
 use crate::port::MotorSet;
 use crate::settings::Settings;
@@ -21,7 +21,7 @@ impl fmt::Display for Names<'_> {
 }
 
 /// The line of an answer.
-pub(in crate::machine) fn report_buzz(to: &mut Speaker<'_>, answer: &BuzzAnswer, s: &Settings) {
+pub(in crate::machine) fn report_buzz(to: &mut ReplyWriter<'_>, answer: &BuzzAnswer, s: &Settings) {
     match *answer {
         BuzzAnswer::NoMotor(name) => {
             let all = Names(s.mechanism.fitted(), s);

@@ -4,7 +4,7 @@ use super::report::Hundredths;
 use crate::driver::{Chip, DriverError, Drivers, Held, Reading, Shown};
 use crate::gcode::Number;
 use crate::machine::answers::driver_value::DriverValue;
-use crate::machine::answers::speaker::Speaker;
+use crate::machine::answers::reply_writer::ReplyWriter;
 use crate::port::Motor;
 use crate::settings::{DriverGroups, Settings};
 use crate::units::StepsPerMm;
@@ -61,7 +61,7 @@ impl fmt::Display for Health<'_> {
 
 /// M122, the lines of one driver.
 pub(in crate::machine) fn report_driver<C: Chip>(
-    to: &mut Speaker<'_>,
+    to: &mut ReplyWriter<'_>,
     (motor, reading): (Motor, Option<Result<Reading, DriverError>>),
     drivers: &Drivers<C>,
     s: &Settings,
@@ -108,7 +108,7 @@ impl<N: fmt::Display> fmt::Display for DriverValueLine<N> {
 }
 
 /// One value of each axis, and of each motor that has its own.
-pub(in crate::machine) fn report_driver_values(to: &mut Speaker<'_>, value: DriverValue, s: &Settings) {
+pub(in crate::machine) fn report_driver_values(to: &mut ReplyWriter<'_>, value: DriverValue, s: &Settings) {
     let DriverGroups { belt, z, e, .. } = s.drivers;
     for (axis, group) in [('X', belt), ('Y', belt), ('Z', z), ('E', e)] {
         to.say(text!("{}", DriverValueLine(axis, value, value.number(&group))));
@@ -117,7 +117,7 @@ pub(in crate::machine) fn report_driver_values(to: &mut Speaker<'_>, value: Driv
 }
 
 /// The value of each motor that has its own.
-pub(in crate::machine) fn report_own_driver_values(to: &mut Speaker<'_>, value: DriverValue, s: &Settings) {
+pub(in crate::machine) fn report_own_driver_values(to: &mut ReplyWriter<'_>, value: DriverValue, s: &Settings) {
     for (motor, number) in value.of_motors(s) {
         to.say(text!("{}", DriverValueLine(s.name_of(motor), value, number)));
     }

@@ -1,7 +1,7 @@
 //! How fast fans with a tachometer turn (M123, M122).
 
 use crate::connectors::FANS;
-use crate::machine::answers::speaker::Speaker;
+use crate::machine::answers::reply_writer::ReplyWriter;
 use crate::settings::{FanRole, Settings, part_fans};
 use crate::status::Heat;
 use crate::thermal::guard::turns_a_minute;
@@ -51,7 +51,7 @@ impl fmt::Display for FanTurns<'_> {
 }
 
 /// Part of M122.
-pub(super) fn report_fans(to: &mut Speaker<'_>, settings: &Settings, heat: &Heat) {
+pub(super) fn report_fans(to: &mut ReplyWriter<'_>, settings: &Settings, heat: &Heat) {
     let turns = FanTurns { settings, heat };
     if turns.has_any() {
         to.say(text!("echo:fans {turns}"));

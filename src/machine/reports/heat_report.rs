@@ -5,7 +5,7 @@ use super::report::Hundredths;
 use super::sensors::{Extra, ExtraReadings, extra_readings, report_extra, report_sensors, what_is_wrong};
 use crate::connectors::{HEATERS, Heater};
 use crate::fault::{Cause, Latch};
-use crate::machine::answers::speaker::Speaker;
+use crate::machine::answers::reply_writer::ReplyWriter;
 use crate::machine::numbers::shortest;
 use crate::settings::Settings;
 use crate::status::{Heat, SelfTest, Tuned};
@@ -79,7 +79,7 @@ impl fmt::Display for Temperatures {
 
 /// Part of M122: the fault, the heaters, the sensors.
 pub(in crate::machine) fn report_heat(
-    to: &mut Speaker<'_>,
+    to: &mut ReplyWriter<'_>,
     settings: &Settings,
     heat: &Heat,
     fault_latch: &Latch,
@@ -110,7 +110,7 @@ pub(in crate::machine) fn report_heat(
 }
 
 /// M303: the result of the tuning. Hosts look for Marlin's words.
-pub(in crate::machine) fn report_tuned(to: &mut Speaker<'_>, heater: Heater, tuned: &Tuned) {
+pub(in crate::machine) fn report_tuned(to: &mut ReplyWriter<'_>, heater: Heater, tuned: &Tuned) {
     let [p, i, d] = [tuned.p, tuned.i, tuned.d].map(|bits| shortest(Ratio::from_bits(bits)));
     to.say(text!("PID Autotune finished!"));
     to.say(text!(" Kp: {p} Ki: {i} Kd: {d}"));

@@ -4,13 +4,17 @@
 
 use super::plain_setting::PlainSetting;
 use crate::connectors::Heater;
+use crate::machine::answers::reply_writer::ReplyWriter;
 use crate::machine::answers::setting::HeatSetting;
-use crate::machine::answers::speaker::Speaker;
 use crate::machine::numbers::{rate, shortest};
 use crate::settings::{Control, FanRole, Settings, ThermalSettings};
 
 /// The line of one of them.
-pub(in crate::machine) fn report_heat_setting(to: &mut Speaker<'_>, setting: HeatSetting, thermal: &ThermalSettings) {
+pub(in crate::machine) fn report_heat_setting(
+    to: &mut ReplyWriter<'_>,
+    setting: HeatSetting,
+    thermal: &ThermalSettings,
+) {
     match setting {
         HeatSetting::Model(heater) => {
             let settings = thermal.heater(heater);
@@ -38,7 +42,7 @@ pub(in crate::machine) fn report_heat_setting(to: &mut Speaker<'_>, setting: Hea
 }
 
 /// M503, the part of heaters that are fitted.
-pub(in crate::machine) fn report_heat_settings(to: &mut Speaker<'_>, s: &Settings) {
+pub(in crate::machine) fn report_heat_settings(to: &mut ReplyWriter<'_>, s: &Settings) {
     let thermal = &s.thermal;
     let fitted = || Heater::ALL.into_iter().filter(|heater| thermal.heater(*heater).is_fitted);
     for heater in fitted() {

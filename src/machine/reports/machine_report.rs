@@ -1,11 +1,11 @@
 //! Reports for a machine record sent or received over a serial line.
 
 use crate::machine::answers::machine_answer::MachineAnswer;
-use crate::machine::answers::speaker::Speaker;
+use crate::machine::answers::reply_writer::ReplyWriter;
 use core::fmt;
 
 /// Reports a machine answer.
-pub(in crate::machine) fn report_machine(to: &mut Speaker<'_>, answer: &MachineAnswer<'_>) {
+pub(in crate::machine) fn report_machine(to: &mut ReplyWriter<'_>, answer: &MachineAnswer<'_>) {
     match answer {
         MachineAnswer::Piece(at, piece) => to.say(text!("machine AT={at} HEX={}", Hex(piece))),
         MachineAnswer::End(length) => to.say(text!("machine END={length}")),

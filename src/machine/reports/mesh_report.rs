@@ -3,7 +3,7 @@
 
 use super::report::Hundredths;
 use crate::machine::answers::mesh_answer::{MeshAnswer, MeshForm};
-use crate::machine::answers::speaker::Speaker;
+use crate::machine::answers::reply_writer::ReplyWriter;
 use crate::machine::numbers::{Thousandths, exact};
 use crate::settings::Settings;
 use crate::storage::{MOST_STORED, MeshNotSaved, MeshRejected, StoredMesh};
@@ -46,7 +46,7 @@ impl Display for Row<'_> {
 
 /// The lines of an answer.
 pub(in crate::machine) fn report_mesh(
-    to: &mut Speaker<'_>,
+    to: &mut ReplyWriter<'_>,
     answer: &MeshAnswer,
     mesh: Option<&StoredMesh>,
     s: &Settings,
@@ -127,7 +127,7 @@ pub(in crate::machine) fn report_mesh(
     }
 }
 
-fn report_heights(to: &mut Speaker<'_>, heights: &Heights, form: MeshForm) {
+fn report_heights(to: &mut ReplyWriter<'_>, heights: &Heights, form: MeshForm) {
     match form {
         MeshForm::Grid => {
             to.say(text!("Bilinear Leveling Grid:"));

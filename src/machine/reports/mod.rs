@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!   command ── Answer ──▶ main_loop::reply ── a report ──▶ report, driver_report, sensors, ...
-//!                                                          └── Speaker: one part after the other ──▶ host
+//!                                                          └── ReplyWriter: one part after the other ──▶ host
 //! ```
 //!
 //! | file | is for |

@@ -2,7 +2,7 @@
 
 use super::report::Hundredths;
 use crate::machine::answers::probe_answer::{ProbeAnswer, Spread};
-use crate::machine::answers::speaker::Speaker;
+use crate::machine::answers::reply_writer::ReplyWriter;
 use crate::machine::numbers::Thousandths;
 use core::fmt;
 
@@ -17,7 +17,7 @@ impl fmt::Display for Millionths {
 }
 
 /// The line of an answer. Marlin's words for a place of the bed (G30.cpp).
-pub(in crate::machine) fn report_probe(to: &mut Speaker<'_>, answer: &ProbeAnswer) {
+pub(in crate::machine) fn report_probe(to: &mut ReplyWriter<'_>, answer: &ProbeAnswer) {
     match *answer {
         ProbeAnswer::None => to.say(text!("echo:no probe configured, ignored")),
         ProbeAnswer::OutOfReach { at, reaches } => {

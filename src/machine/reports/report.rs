@@ -4,7 +4,7 @@
 
 use crate::connectors::Heater;
 use crate::kinematics::Groups;
-use crate::machine::answers::speaker::Speaker;
+use crate::machine::answers::reply_writer::ReplyWriter;
 use crate::machine::numbers::{exact, shortest_with};
 use crate::machine::state::commanded::Commanded;
 use crate::machine::state::position::RealPosition;
@@ -145,7 +145,12 @@ impl<'m> Position<'m> {
 }
 
 /// M115. BTT's screens and OctoPrint's EEPROM editor look for Marlin in the name.
-pub(in crate::machine) fn report_firmware(to: &mut Speaker<'_>, has_storage: bool, inputs: EndstopSet, s: &Settings) {
+pub(in crate::machine) fn report_firmware(
+    to: &mut ReplyWriter<'_>,
+    has_storage: bool,
+    inputs: EndstopSet,
+    s: &Settings,
+) {
     to.say(text!(
         "FIRMWARE_NAME:CoreH-bot {} (Marlin dialect) SOURCE_CODE_URL:- PROTOCOL_VERSION:1.0 MACHINE_TYPE:{} \
          EXTRUDER_COUNT:1 UUID:00000000-0000-0000-0000-000000000000",
@@ -168,7 +173,7 @@ pub(in crate::machine) fn report_firmware(to: &mut Speaker<'_>, has_storage: boo
 /// M119: which endstops are pressed, of the inputs that there are, and whether filament presses the switch of its
 /// sensor.
 pub(in crate::machine) fn report_endstops(
-    to: &mut Speaker<'_>,
+    to: &mut ReplyWriter<'_>,
     pressed: EndstopSet,
     inputs: EndstopSet,
     endstops: &Cartesian<Endstop>,
@@ -191,7 +196,7 @@ pub(in crate::machine) fn report_endstops(
 }
 
 /// Part of M122: overload since the start, and its worst case.
-pub(in crate::machine) fn report_overload(to: &mut Speaker<'_>, overload: Overload) {
+pub(in crate::machine) fn report_overload(to: &mut ReplyWriter<'_>, overload: Overload) {
     let Overload { events, spans, starved, underruns } = overload;
     let us = |late: Late| late.worst / const { TICKS_PER_MS / 1000 };
     to.say(text!(
@@ -206,7 +211,7 @@ pub(in crate::machine) fn report_overload(to: &mut Speaker<'_>, overload: Overlo
 
 /// M290: the sum of all shifts since z was homed (Marlin's words), and the kept offsets. These are the probe's offset
 /// if it homes z, the program's offset, and the sum by which both lift the nozzle.
-pub(in crate::machine) fn report_z_offset(to: &mut Speaker<'_>, shifted: Mm, s: &Settings, are_stored: [bool; 2]) {
+pub(in crate::machine) fn report_z_offset(to: &mut ReplyWriter<'_>, shifted: Mm, s: &Settings, are_stored: [bool; 2]) {
     to.say(text!("echo:Babystep Z{}", Hundredths::of(shifted)));
     let [news, news_of_probe] = are_stored.map(|is_stored| if is_stored { "" } else { ", not saved: M500 keeps it" });
     let kept = exact(s.bed.z_offset);

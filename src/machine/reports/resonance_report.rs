@@ -2,8 +2,8 @@
 
 use super::settings_report::report_shaper;
 use crate::accelerometer::SensorFault;
+use crate::machine::answers::reply_writer::ReplyWriter;
 use crate::machine::answers::resonance_answer::{Mode, RawSample, ResonanceAnswer, Suggested, SweepAxis};
-use crate::machine::answers::speaker::Speaker;
 use crate::machine::numbers::{Thousandths, shortest};
 use crate::settings::HomedAxis;
 
@@ -17,7 +17,7 @@ const fn name(axis: SweepAxis) -> char {
 }
 
 /// The line of an answer.
-pub(in crate::machine) fn report_resonance(to: &mut Speaker<'_>, answer: &ResonanceAnswer) {
+pub(in crate::machine) fn report_resonance(to: &mut ReplyWriter<'_>, answer: &ResonanceAnswer) {
     match *answer {
         ResonanceAnswer::NoSensor => to.say(text!("echo:no accelerometer configured (accelerometer.kind)")),
         ResonanceAnswer::Swept(axis) => {

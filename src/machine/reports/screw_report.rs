@@ -1,12 +1,12 @@
 //! The lines of G34 and G35, in Marlin's words (G34_M422.cpp, G35.cpp).
 
+use crate::machine::answers::reply_writer::ReplyWriter;
 use crate::machine::answers::screw_answer::ScrewAnswer;
-use crate::machine::answers::speaker::Speaker;
 use crate::machine::numbers::Thousandths;
 use crate::units::Mm;
 
 /// The line of an answer.
-pub(in crate::machine) fn report_screws(to: &mut Speaker<'_>, answer: &ScrewAnswer) {
+pub(in crate::machine) fn report_screws(to: &mut ReplyWriter<'_>, answer: &ScrewAnswer) {
     match *answer {
         ScrewAnswer::Round(round) => to.say(text!("G34 Iteration: {round}")),
         ScrewAnswer::Heights(heights, count) => {

@@ -4,7 +4,7 @@
 //! so a broken one stops nothing.
 
 use super::report::Hundredths;
-use crate::machine::answers::speaker::Speaker;
+use crate::machine::answers::reply_writer::ReplyWriter;
 use crate::port::Sensor;
 use crate::settings::{EXTRA_SENSORS, PLACES, SensorSource, Settings};
 use crate::status::Heat;
@@ -48,7 +48,7 @@ impl fmt::Display for Extra<'_> {
 }
 
 /// Part of M122: the same, a line each.
-pub(super) fn report_extra(to: &mut Speaker<'_>, readings: &ExtraReadings) {
+pub(super) fn report_extra(to: &mut ReplyWriter<'_>, readings: &ExtraReadings) {
     for ((place, _), reading) in PLACES.into_iter().zip(readings) {
         match reading {
             Some(Reading::Celsius(celsius)) => to.say(text!("echo:{place} {} C", Hundredths::of(*celsius))),
@@ -69,7 +69,7 @@ pub(super) const fn what_is_wrong(reading: Reading) -> &'static str {
 
 /// Part of M122: each sensor's share of the reference voltage in 1/65,536, or `-` if there is none or the
 /// converter has stopped. An open thermistor reads nearly 65,536, a shorted one nearly 0.
-pub(in crate::machine) fn report_sensors(to: &mut Speaker<'_>, heat: &Heat) {
+pub(in crate::machine) fn report_sensors(to: &mut ReplyWriter<'_>, heat: &Heat) {
     for (sensor, name) in Sensor::ALL {
         match heat.sample(sensor) {
             Some(share) => to.say(text!("echo:sensor {name} {share}/65536")),

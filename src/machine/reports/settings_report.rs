@@ -5,8 +5,8 @@ use super::heat_settings_report::report_heat_settings;
 use super::plain_setting::PlainSetting;
 use crate::gcode::Number;
 use crate::machine::answers::driver_value::DriverValue;
+use crate::machine::answers::reply_writer::ReplyWriter;
 use crate::machine::answers::setting::Setting;
-use crate::machine::answers::speaker::Speaker;
 use crate::machine::answers::words::Words;
 use crate::machine::numbers::{SHAPERS, exact, shortest};
 use crate::machine::state::retraction::RetractionSettings;
@@ -17,7 +17,7 @@ use core::fmt::{self, Display, Formatter};
 
 /// M503: every setting that G-code can set, and as comments some that only a machine file sets.
 pub(in crate::machine) fn report_settings(
-    to: &mut Speaker<'_>,
+    to: &mut ReplyWriter<'_>,
     s: &Settings,
     retraction: &RetractionSettings,
     has_drivers: bool,
@@ -45,7 +45,7 @@ pub(in crate::machine) fn report_settings(
 }
 
 /// The line or lines of one setting.
-pub(in crate::machine) fn report_setting(to: &mut Speaker<'_>, setting: Setting, s: &Settings) {
+pub(in crate::machine) fn report_setting(to: &mut ReplyWriter<'_>, setting: Setting, s: &Settings) {
     match setting {
         Setting::Plain(code) => to.setting(text!("{}", PlainSetting { code, s })),
         Setting::VelocityLimit => {
@@ -82,7 +82,7 @@ pub(in crate::machine) fn report_setting(to: &mut Speaker<'_>, setting: Setting,
 }
 
 /// Says the line of a command that takes a number for each axis.
-fn report_axes(to: &mut Speaker<'_>, code: &'static str, values: [Number; 4]) {
+fn report_axes(to: &mut ReplyWriter<'_>, code: &'static str, values: [Number; 4]) {
     to.setting(text!("{}", Words::of_axes(code, values)));
 }
 
@@ -100,7 +100,7 @@ impl Display for Reach {
 }
 
 /// M503, the part that only a machine file sets, as comments: the reachable space, and how its axes are homed.
-fn report_space(to: &mut Speaker<'_>, s: &Settings) {
+fn report_space(to: &mut ReplyWriter<'_>, s: &Settings) {
     to.remark(text!("machine: {}", s.name));
     let [x, y, z] = HomedAxis::ALL.map(|axis| Reach(s.reach(axis)));
     to.remark(text!("reachable: X{x} Y{y} Z{z} mm"));
@@ -160,7 +160,7 @@ fn report_space(to: &mut Speaker<'_>, s: &Settings) {
 }
 
 /// M503, where Z is homed by its switch, and what comes before and after.
-fn report_z_home(to: &mut Speaker<'_>, s: &Settings) {
+fn report_z_home(to: &mut ReplyWriter<'_>, s: &Settings) {
     let home = s.safe_z_home;
     for (axis, at) in ['X', 'Y'].into_iter().zip(home.place).filter(|_| s.homes_z_at_place()) {
         if let Some(at) = at {
@@ -176,7 +176,7 @@ fn report_z_home(to: &mut Speaker<'_>, s: &Settings) {
 }
 
 /// M503, the settings of a pause.
-fn report_pause(to: &mut Speaker<'_>, pause: &Pause) {
+fn report_pause(to: &mut ReplyWriter<'_>, pause: &Pause) {
     let [retract, lift, x, y] = [pause.retract, pause.lift, pause.x, pause.y].map(exact);
     let [back, forth, travel] = [pause.retract_speed, pause.unretract_speed, pause.travel_speed].map(shortest);
     let minutes = pause.heat_off_min;
@@ -192,7 +192,7 @@ fn report_pause(to: &mut Speaker<'_>, pause: &Pause) {
 }
 
 /// M503, the part of the drivers.
-fn report_driver_settings(to: &mut Speaker<'_>, s: &Settings) {
+fn report_driver_settings(to: &mut ReplyWriter<'_>, s: &Settings) {
     let groups = s.drivers;
     // Marlin's heading; with it a BTT TFT requests M569.
     to.remark(text!("Driver stepping mode:"));
@@ -207,7 +207,7 @@ fn report_driver_settings(to: &mut Speaker<'_>, s: &Settings) {
 }
 
 /// M503, the values of single motors: as lines with I, or as comments where no line sets them.
-fn report_own_values(to: &mut Speaker<'_>, value: DriverValue, s: &Settings) {
+fn report_own_values(to: &mut ReplyWriter<'_>, value: DriverValue, s: &Settings) {
     let code = value.code();
     for (motor, number) in value.of_motors(s) {
         let axis = s.mechanism.axis_of(motor).unwrap_or_default();
@@ -220,7 +220,7 @@ fn report_own_values(to: &mut Speaker<'_>, value: DriverValue, s: &Settings) {
 }
 
 /// M503, a line of M593.
-pub(super) fn report_shaper(to: &mut Speaker<'_>, axis: char, shaper: Shaper) {
+pub(super) fn report_shaper(to: &mut ReplyWriter<'_>, axis: char, shaper: Shaper) {
     let (frequency, damping) = (shortest(shaper.frequency), shortest(shaper.damping));
     match SHAPERS.into_iter().position(|kind| kind == shaper.kind) {
         Some(number) => to.setting(text!("M593 {axis} F{frequency} D{damping} T{number}")),

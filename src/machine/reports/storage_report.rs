@@ -1,11 +1,11 @@
 //! Reports of the storage: by M500 to M504, and at the start.
 
-use crate::machine::answers::speaker::Speaker;
+use crate::machine::answers::reply_writer::ReplyWriter;
 use crate::machine::answers::storage_news::{Slots, StorageNews};
 use crate::storage::Rejected;
 
 /// Reports news of the storage.
-pub(in crate::machine) fn report_storage(to: &mut Speaker<'_>, news: &StorageNews) {
+pub(in crate::machine) fn report_storage(to: &mut ReplyWriter<'_>, news: &StorageNews) {
     match *news {
         StorageNews::Saved(receipt) => to.say(text!("echo:Settings Stored {receipt}")),
         StorageNews::NoMachine(why) => to.say(text!("echo:Settings not stored: {why}")),
@@ -43,19 +43,19 @@ pub(in crate::machine) fn report_storage(to: &mut Speaker<'_>, news: &StorageNew
     }
 }
 
-fn report_defaults(to: &mut Speaker<'_>) {
+fn report_defaults(to: &mut ReplyWriter<'_>) {
     to.say(text!("echo:Hardcoded Default Settings Loaded"));
 }
 
 /// Names stored settings that this firmware does not have; 0 is none.
-fn report_unknown(to: &mut Speaker<'_>, ids: [u16; 4]) {
+fn report_unknown(to: &mut ReplyWriter<'_>, ids: [u16; 4]) {
     for id in ids.into_iter().filter(|id| *id > 0) {
         to.say(text!("echo:stored setting {id} is of later firmware: kept, not used"));
     }
 }
 
 /// Names the slots with unused content; an empty slot is not reported.
-fn report_rejected(to: &mut Speaker<'_>, slots: Slots) {
+fn report_rejected(to: &mut ReplyWriter<'_>, slots: Slots) {
     for (slot, why) in slots {
         if let Some(why) = why.filter(|why| *why != Rejected::Blank) {
             to.say(text!("echo:storage slot {slot} not used: {why}"));

@@ -2,8 +2,8 @@
 
 use super::{Answer, Entry, Interrupt, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::gcode::{Flaw, Grammar, Nature, Number, Part, Words, absent_extruder, flaw_of_pairs, times_ten_to};
+use crate::machine::answers::reply_writer::ReplyWriter;
 use crate::machine::answers::says::Facts;
-use crate::machine::answers::speaker::Speaker;
 use crate::machine::numbers::shortest;
 use crate::machine::state::clamps::Clamps;
 use crate::motion::advance_window;
@@ -109,7 +109,7 @@ fn wanted_advance(time: Option<Number>, window: Option<Number>, s: &Settings, cl
     wanted.advance
 }
 
-fn say_advance(to: &mut Speaker<'_>, facts: &Facts<'_>) {
+fn say_advance(to: &mut ReplyWriter<'_>, facts: &Facts<'_>) {
     to.say(text!("echo:Advance K={}", shortest(facts.settings.advance.time)));
 }
 

@@ -7,8 +7,8 @@ use super::plain_words::PlainWords;
 use crate::connectors::Heater;
 use crate::gcode::Number;
 use crate::machine::answers::answer::Answer;
+use crate::machine::answers::reply_writer::ReplyWriter;
 use crate::machine::answers::says::Facts;
-use crate::machine::answers::speaker::Speaker;
 use crate::machine::heat::heating::model_of;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::modal::Modal;
@@ -113,7 +113,7 @@ fn check_resolutions(_: &PlainWords, s: &mut Settings, _: &mut Notices) -> Endin
     if is_lowered { Ending::Remark(Answer::says(say_lowered, 0)) } else { Ending::Done }
 }
 
-fn say_lowered(to: &mut Speaker<'_>, _: &Facts<'_>) {
+fn say_lowered(to: &mut ReplyWriter<'_>, _: &Facts<'_>) {
     let most = ranges::STEP_RATE.whole();
     to.say(text!("echo:M92 lowered speed limits, a motor steps {most} times a second at most"));
 }

@@ -2,8 +2,8 @@
 
 use super::{Answer, Entry, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::gcode::{Grammar, Nature};
+use crate::machine::answers::reply_writer::ReplyWriter;
 use crate::machine::answers::says::Facts;
-use crate::machine::answers::speaker::Speaker;
 use crate::machine::reports::report::Hundredths;
 use crate::settings::HomedAxis;
 
@@ -31,7 +31,7 @@ pub(in crate::machine) fn carry_out<'a, P: PortSet, W: Wake>(
 }
 
 /// The number says whether an axis is not homed.
-fn say_ends(to: &mut Speaker<'_>, facts: &Facts<'_>) {
+fn say_ends(to: &mut ReplyWriter<'_>, facts: &Facts<'_>) {
     let s = facts.settings;
     let state = if s.soft_endstops { "ON" } else { "OFF" };
     let reaches = HomedAxis::ALL.map(|axis| s.reach(axis));

@@ -1,4 +1,4 @@
-//! The speaker: sends the parts of one answer to the host being served, each once and in order.
+//! The reply writer: sends the parts of one answer to the host being served, each once and in order.
 //!
 //! A part is a line, or lines that must not be separated. Nothing waits between parts. If a part finds no room,
 //! `main_loop::reply` polls the main loop and runs the whole report again; parts that were already sent are skipped. So
@@ -12,15 +12,15 @@ use crate::text::Text;
 /// Writes a part into the replies of a host.
 type Part<'w> = dyn Fn(&mut Replies) -> Result<(), NoRoom> + 'w;
 
-/// The receiver of an answer.
-pub(in crate::machine) trait Listener {
+/// Where the parts of an answer go.
+pub(in crate::machine) trait ReplySink {
     /// Takes a part, all of it or nothing. False if there is no room for it.
-    fn hear(&mut self, part: &Part<'_>) -> bool;
+    fn accept(&mut self, part: &Part<'_>) -> bool;
 }
 
-impl<S: Serial> Listener for Hosts<'_, S> {
+impl<S: Serial> ReplySink for Hosts<'_, S> {
     /// A host that has disconnected accepts every part.
-    fn hear(&mut self, part: &Part<'_>) -> bool {
+    fn accept(&mut self, part: &Part<'_>) -> bool {
         let (told, host) = self.output();
         let fits = host.is_none_or(|(place, replies)| told.put(place, replies, part));
         if fits {
@@ -30,18 +30,18 @@ impl<S: Serial> Listener for Hosts<'_, S> {
     }
 }
 
-/// Says an answer.
-pub(in crate::machine) struct Speaker<'s> {
+/// Writes an answer.
+pub(in crate::machine) struct ReplyWriter<'s> {
     progress: &'s mut Progress,
-    listener: &'s mut dyn Listener,
+    sink: &'s mut dyn ReplySink,
     /// Whether settings are said with `echo:`, and with remarks.
     is_echo: bool,
 }
 
-impl<'s> Speaker<'s> {
-    /// Sends to `listener` the parts that `progress` does not count as sent.
-    pub fn new(progress: &'s mut Progress, listener: &'s mut dyn Listener) -> Self {
-        Self { progress, listener, is_echo: false }
+impl<'s> ReplyWriter<'s> {
+    /// Sends to `sink` the parts that `progress` does not count as sent.
+    pub fn new(progress: &'s mut Progress, sink: &'s mut dyn ReplySink) -> Self {
+        Self { progress, sink, is_echo: false }
     }
 
     /// Has settings said with `echo:` from now on, and with remarks: M503 without S0.
@@ -80,7 +80,7 @@ impl<'s> Speaker<'s> {
     /// Says a part, unless that has been said, or something before it could not be.
     #[inline(never)]
     pub fn put(&mut self, part: &Part<'_>) {
-        if self.progress.is_next() && self.listener.hear(part) {
+        if self.progress.is_next() && self.sink.accept(part) {
             self.progress.note_said();
         }
     }
