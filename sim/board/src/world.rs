@@ -6,8 +6,10 @@
 
 mod beyond;
 mod desk;
+mod follow;
 mod heat_periods;
 mod runs;
+mod turned;
 mod z_shifts;
 
 use crate::accelerometer::Sensor;
@@ -43,6 +45,7 @@ use std::pin::Pin;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::task::{Context, Waker};
+use turned::Turned;
 pub use z_shifts::{ZShift, ZShifts};
 
 /// How a print ended.
@@ -86,30 +89,6 @@ impl Wakes {
 impl std::task::Wake for Wakes {
     fn wake(self: Arc<Self>) {
         self.0.store(true, Ordering::Relaxed);
-    }
-}
-
-/// The motors' turns, by the firmware's counts of groups, which may be coupled to others at rest.
-struct Turned {
-    coupling: Coupling,
-    /// Counts of groups and motors when they were coupled so.
-    since: [i32; MOST_GROUPS],
-    before: [i32; MOTORS],
-}
-
-impl Turned {
-    const fn new(coupling: Coupling) -> Self {
-        Self { coupling, since: [0; MOST_GROUPS], before: [0; MOTORS] }
-    }
-
-    fn motors(&self, counts: [i32; MOST_GROUPS]) -> [i32; MOTORS] {
-        let since = std::array::from_fn(|group| counts[group].wrapping_sub(self.since[group]));
-        let turned = self.coupling.motor_counts(since);
-        std::array::from_fn(|motor| self.before[motor].wrapping_add(turned[motor]))
-    }
-
-    fn recouple(&mut self, coupling: Coupling, counts: [i32; MOST_GROUPS]) {
-        *self = Self { coupling, since: counts, before: self.motors(counts) };
     }
 }
 
@@ -371,66 +350,6 @@ impl<'w> World<'w> {
     pub(crate) fn read(&mut self, (line, kind, command): (u32, u16, &str)) {
         if let Some(tap) = &mut self.tap {
             tap.read(line, kind, command);
-        }
-    }
-
-    /// Follows the moves that the generator has begun, and hands on those that have ended.
-    fn follow_moves(&mut self) {
-        let Some(tap) = &mut self.tap else { return };
-        let (now, is_met) = (self.stepper.tick(), !self.status.triggered().is_empty());
-        tap.after_generator(self.generator.under_way(), now, self.status.epoch(), is_met);
-        tap.end(now);
-        while let Some(change) = tap.reshaped() {
-            self.stepper.port().sink.reshaped(&change);
-        }
-        while let Some(made) = tap.judged() {
-            self.stepper.port().sink.moved(&made);
-        }
-    }
-
-    /// Hands on the moves that have ended; a move that has not is what there is of it.
-    fn end_moves(&mut self) {
-        self.follow_moves();
-        let Some(tap) = &mut self.tap else { return };
-        tap.finish(self.stepper.tick());
-        while let Some(made) = tap.judged() {
-            self.stepper.port().sink.moved(&made);
-        }
-    }
-
-    /// Tells the log of a mesh, if there is one, that z follows another surface, or that the firmware has given another
-    /// name to a place.
-    fn note_surface(&mut self) {
-        let origin = self.generator.origin();
-        let pins = self.stepper.port();
-        let Some(log) = &pins.mesh_log else { return };
-        let surface = self.generator.surface();
-        if origin == self.origin && !log.is_news(surface) {
-            return;
-        }
-        self.origin = origin;
-        let made = self.counts.read();
-        let counts = std::array::from_fn(|group| made[group].wrapping_add(origin[group]));
-        pins.note_surface(&self.turned.coupling.motor_counts(counts), surface);
-    }
-
-    /// Reports to the pins which switches have ended a motion since the last time.
-    fn tell_met(&mut self) {
-        let met = self.status.triggered();
-        if met != self.met {
-            let fresh = EndstopSet(met.0 & !self.met.0);
-            self.met = met;
-            let tick = self.stepper.tick();
-            self.stepper.port().meet(fresh, tick);
-        }
-    }
-
-    /// Tells the sink that the machine has halted.
-    fn tell_halt(&mut self) {
-        let is_halted = self.status.is_halted();
-        if std::mem::replace(&mut self.was_halted, is_halted) != is_halted {
-            let tick = self.stepper.tick();
-            self.stepper.port().sink.stopped(tick);
         }
     }
 
