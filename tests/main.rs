@@ -28,6 +28,7 @@ mod line_silence;
 mod links;
 mod mechanisms;
 mod motion;
+mod owners;
 #[path = "support/printer.rs"]
 mod printer;
 mod programs;

@@ -12,6 +12,8 @@
 
 use crate::kinematics::Groupings;
 use crate::machine::answers::answer::Answer;
+use crate::machine::answers::reply_writer::ReplyWriter;
+use crate::machine::answers::words::Facts;
 use crate::machine::apart::apart;
 use crate::machine::belt::align::end_measuring;
 use crate::machine::belt::circulate::end_circulation;
@@ -28,15 +30,16 @@ use crate::machine::main_loop::surface::{keep_to_surface, lay_mesh};
 use crate::machine::main_loop::trim::{end_buzz, end_trim};
 pub use crate::machine::ports::{PortSet, Ports};
 use crate::machine::print::job::{begin_another, end_job};
+use crate::machine::print::upload;
 use crate::machine::probe::touch::end_touch;
 use crate::machine::setup::kept_mesh::take_mesh_to_use;
-use crate::machine::setup::stored::{load_at_start, note_self_test};
+use crate::machine::setup::stored::{load_at_start, note_self_test, report_start};
 use crate::machine::state::job::JobEnd;
 use crate::machine::state::kept_line::Answered;
 use crate::machine::states::States;
 use crate::motion::{Link, MoveMemory, QueueObserver};
 use crate::port::{BoardFacts, Wake};
-use crate::protocol::{Action, Echo};
+use crate::protocol::{Action, Echo, Replies};
 use crate::settings::Settings;
 use crate::surface::Mesh;
 use crate::thermal::Orders;
@@ -113,12 +116,16 @@ impl<'m, P: PortSet, W: Wake> Console<'m, P, W> {
             let mesh = take_mesh_to_use(main_loop).await?;
             for host in 0..main_loop.hosts.len() {
                 main_loop.hosts.switch_to(host);
-                main_loop.reply(Answer::Start).await?;
+                main_loop.reply(Answer::words(&report_start_of_machine)).await?;
                 if let Some(why) = main_loop.board.refusal() {
                     main_loop.say(text!("echo:{why}; no motor gets power"));
                 }
-                main_loop.reply(found).await?;
-                main_loop.reply(mesh).await?;
+                if let Some(found) = &found {
+                    main_loop.reply(Answer::words(&|to, _| report_start(to, found))).await?;
+                }
+                if let Some(news) = &mesh {
+                    main_loop.reply(Answer::words(&|to, _| to.say(text!("{news}")))).await?;
+                }
             }
         }
         // A command that an emergency ended is answered all the same, and so is a line that was kept.
@@ -177,7 +184,7 @@ impl<'m, P: PortSet, W: Wake> Console<'m, P, W> {
                 Request::Resend(reason, last) => Answer::Resend(reason, last),
             };
             if let Some(lines) = main_loop.hosts.upload_given_up() {
-                main_loop.tell(Answer::UploadEnded(lines));
+                upload::tell_of_end(main_loop, lines);
             }
             if let Answer::Kept = answer {
                 kept_text.clone_from(&text);
@@ -206,6 +213,12 @@ impl<'m, P: PortSet, W: Wake> Console<'m, P, W> {
         }
         Ok(())
     }
+}
+
+/// The first lines after a reset.
+fn report_start_of_machine(to: &mut ReplyWriter<'_>, _: &Facts<'_>) {
+    to.put(&Replies::start);
+    to.say(text!("echo:corehbot {}", env!("CARGO_PKG_VERSION")));
 }
 
 /// A line was ended before its time. If M410 has done it, hosts are told which one: it has no result.

@@ -3,7 +3,7 @@
 //! ```text
 //!   bytes ──▶ main loop ── line ──▶ table::parse ── Command ──▶ commands ── moves ──▶ main loop ──▶ look-ahead
 //!               ▲                                               │  ▲ states                           │
-//!               └────────────── reports ◀── Answer ─────────────┘                                     ▼ move queue
+//!               └────────────────────────── Answer ─────────────┘                                     ▼ move queue
 //! ```
 //!
 //! The [`Console`] is one `async` function that is polled whenever something may have changed; it needs no
@@ -25,7 +25,7 @@
 //! | `probe` | touches of the Z probe |
 //! | `resonance` | resonance tests with an accelerometer |
 //! | `main_loop` | the work during every wait, and the services for commands: plan, finish, power, reply |
-//! | `reports` | the wording of answers |
+//! | `reports` | lines that several rooms have |
 //! | `answers` | results of commands, as values |
 //! | `state` | values that earlier lines set, the machine's position, notices |
 //! | `hosts` | lines from several hosts, served in turn |

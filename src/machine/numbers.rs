@@ -74,6 +74,25 @@ impl fmt::Display for Thousandths {
     }
 }
 
+/// A value with two decimals, as hosts expect positions.
+pub(in crate::machine) struct Hundredths(I32F32);
+
+impl Hundredths {
+    pub fn of(value: impl Into<I32F32>) -> Self {
+        Self(value.into())
+    }
+}
+
+impl fmt::Display for Hundredths {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let bits = self.0.to_bits();
+        let hundredths = (bits >> 32) * 100 + (((bits & 0xFFFF_FFFF) * 100 + (1 << 31)) >> 32);
+        let sign = if hundredths < 0 { "-" } else { "" };
+        let hundredths = hundredths.unsigned_abs();
+        write!(f, "{sign}{}.{:02}", hundredths / 100, hundredths % 100)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     extern crate std;
@@ -108,5 +127,15 @@ mod tests {
             let value = Hertz::from_bits(bits);
             assert_eq!(nearest::<Hertz>(shortest(value)), value);
         }
+    }
+    #[test]
+    fn positions_have_two_decimals_and_one_sign() {
+        let text = |v: f64| Hundredths::of(Mm::from_num(v)).to_string();
+        assert_eq!(text(1.005_1), "1.01");
+        assert_eq!(text(-0.5), "-0.50");
+        assert_eq!(text(-0.001), "0.00");
+        assert_eq!(text(417.6), "417.60");
+        assert_eq!(Hundredths::of(Mm::MAX).to_string(), "2147483648.00");
+        assert_eq!(Hundredths::of(Mm::MIN).to_string(), "-2147483648.00");
     }
 }

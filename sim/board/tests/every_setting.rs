@@ -309,7 +309,7 @@ fn m503_says_the_settings_that_a_line_sets_and_those_of_the_file_that_it_lists()
         assert_eq!(
             is_said,
             (line_for(path).is_some() || is_one_of(path, &FILE_ONLY)) && !is_e_length,
-            "{path}: src/machine/reports/settings_report.rs, src/machine/answers/setting.rs if it has a line of its own, or \
+            "{path}: src/machine/reports/settings_report.rs, src/machine/reports/setting.rs if it has a line of its own, or \
              FILE_ONLY here if M503 says it as a comment"
         );
     }

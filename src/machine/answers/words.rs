@@ -1,45 +1,37 @@
-//! Values of a command, as the line that sets them.
+//! Words: what writes the lines of an answer, in the file of the command, or of the room that decides it.
 
-use crate::gcode::Number;
-use crate::machine::numbers::exact;
-use crate::machine::state::retraction::RetractionSettings;
-use core::fmt;
-use fixed::types::I32F32;
+use super::reply_writer::ReplyWriter;
+use crate::connectors::HEATERS;
+use crate::machine::state::trimming::Trimming;
+use crate::settings::Settings;
+use crate::status::Status;
+use crate::storage::StoredMesh;
+use crate::units::Celsius;
 
-/// A code with its letters and a number for each.
-#[derive(Clone, Copy)]
-pub(in crate::machine) struct Words {
-    /// The code.
-    pub code: &'static str,
-    /// A letter for each number.
-    pub letters: &'static str,
-    /// The numbers; those without a letter do not count.
-    pub numbers: [Number; 4],
+/// What words may read of the main loop, when they are written. What else they need, a closure captures.
+pub(in crate::machine) struct Facts<'f> {
+    pub settings: &'f Settings,
+    pub status: &'f Status,
+    /// Whether the motors of one belt agree.
+    pub trimming: &'f Trimming,
+    /// The mesh of the bed.
+    pub mesh: Option<&'f StoredMesh>,
+    /// The ordered targets of the heaters.
+    pub targets: [Celsius; HEATERS],
+    /// Whether a self-test of the heaters is under way.
+    pub is_testing: bool,
+    /// Whether there is memory for settings.
+    pub has_storage: bool,
 }
 
-impl Words {
-    /// A number for each axis.
-    pub const fn of_axes(code: &'static str, numbers: [Number; 4]) -> Self {
-        Self { code, letters: "XYZE", numbers }
-    }
-
-    /// M207: how G10 retracts.
-    pub fn of_retraction(settings: &RetractionSettings) -> Self {
-        let (length, feed, lift) =
-            (exact(settings.length), exact(I32F32::from(settings.speed) * 60), exact(settings.lift));
-        Self { code: "M207", letters: "SFZ", numbers: [length, feed, lift, Number::ZERO] }
-    }
-
-    /// M208: how G11 differs.
-    pub fn of_recovery(settings: &RetractionSettings) -> Self {
-        let (extra, feed) = (exact(settings.extra), exact(I32F32::from(settings.recover_speed) * 60));
-        Self { code: "M208", letters: "SF", numbers: [extra, feed, Number::ZERO, Number::ZERO] }
-    }
+/// Writes the lines of an answer: a function or a closure. If a line finds no room, all of it runs again later, so it
+/// changes nothing. It does not allocate.
+pub(in crate::machine) trait Words {
+    fn write(&self, to: &mut ReplyWriter<'_>, facts: &Facts<'_>);
 }
 
-impl fmt::Display for Words {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.code)?;
-        self.letters.chars().zip(self.numbers).try_for_each(|(letter, number)| write!(f, " {letter}{number}"))
+impl<F: Fn(&mut ReplyWriter<'_>, &Facts<'_>)> Words for F {
+    fn write(&self, to: &mut ReplyWriter<'_>, facts: &Facts<'_>) {
+        self(to, facts);
     }
 }

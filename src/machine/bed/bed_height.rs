@@ -3,7 +3,9 @@
 use super::probing::{place, tell_of_home_offsets};
 use super::{Answer, Entry, Interrupt, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::gcode::{Grammar, Mark, Nature, Number};
-use crate::machine::answers::probe_answer::ProbeAnswer;
+use crate::machine::main_loop::place::tell_place;
+use crate::machine::numbers::Hundredths;
+use crate::machine::numbers::Thousandths;
 use crate::machine::probe::touch::{AfterTouch, touch_bed};
 
 pub(in crate::machine) const ENTRY: Entry = Entry::g("Z probe", &[30])
@@ -22,13 +24,15 @@ pub(in crate::machine) async fn carry_out<P: PortSet, W: Wake>(
     let named = command.numbers(b"XY");
     let at = match place(main_loop, modal, named) {
         Ok(at) => at,
-        Err(none) => return Ok(none.into()),
+        Err(none) => return Ok(none.answer(main_loop)),
     };
     if named != [None; 2] {
         tell_of_home_offsets(main_loop);
     }
     let end = if command.number(b'E') == Some(Number::ZERO) { AfterTouch::Out } else { AfterTouch::In };
     let height = touch_bed(main_loop, Some(at), end).await?;
-    main_loop.tell(Answer::Probe(ProbeAnswer::Bed { at, height }));
-    Ok(Answer::Position { real: false })
+    // Marlin's words (G30.cpp).
+    let [x, y] = at.map(Hundredths::of);
+    main_loop.say(text!("Bed X:{x} Y:{y} Z:{}", Thousandths(height)));
+    Ok(tell_place(main_loop, false))
 }

@@ -2,11 +2,12 @@
 
 use crate::gcode::Number;
 use crate::machine::answers::answer::Answer;
-use crate::machine::answers::mesh_answer::{MeshAnswer, MeshForm};
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::surface::use_mesh;
+use crate::machine::numbers::{Thousandths, exact};
 use crate::machine::ports::PortSet;
+use crate::machine::reports::mesh_report::{NO_MESH, report_grid, report_levelling, report_table};
 use crate::machine::setup::kept_mesh::take_kept_mesh;
 use crate::machine::states::States;
 use crate::port::Wake;
@@ -41,14 +42,15 @@ impl LevellingWords {
     }
 }
 
-/// The mesh as a report, if there is one.
+/// The mesh as a report, if there is one: for people, or as a table for programs.
 pub(in crate::machine) fn report<P: PortSet, W: Wake>(
     main_loop: &MainLoop<'_, P, W>,
-    form: MeshForm,
+    is_table: bool,
 ) -> Answer<'static> {
     match main_loop.bed.mesh() {
-        Some(_) => Answer::Mesh(MeshAnswer::Heights(form)),
-        None => Answer::Mesh(MeshAnswer::None),
+        None => Answer::Line(NO_MESH),
+        Some(_) if is_table => Answer::words(&report_table),
+        Some(_) => Answer::words(&report_grid),
     }
 }
 
@@ -71,7 +73,7 @@ pub(in crate::machine) async fn level<P: PortSet, W: Wake>(
 ) -> Result<Answer<'static>, Interrupt> {
     let LevellingWords { on, reports, form, fade, centres, loads } = *words;
     if loads && let Some(news) = take_kept_mesh(main_loop).await? {
-        main_loop.tell(Answer::Mesh(news));
+        main_loop.say(text!("{news}"));
     }
     if let Some(fade) = fade {
         let (old, clamps) = (main_loop.settings.mesh.fade, &mut states.clamps);
@@ -94,17 +96,16 @@ pub(in crate::machine) async fn level<P: PortSet, W: Wake>(
         change_heights(main_loop, &heights);
     }
     if reports {
-        let form = if form == Some(Number::from(1)) { MeshForm::Table } else { MeshForm::Grid };
-        let answer = report(main_loop, form);
+        let answer = report(main_loop, form == Some(Number::from(1)));
         main_loop.reply(answer).await?;
     } else if on == Some(true) && main_loop.bed.mesh().is_none() {
-        main_loop.tell(Answer::Mesh(MeshAnswer::None));
+        main_loop.say(text!("{NO_MESH}"));
     }
     let on = on.unwrap_or(main_loop.settings.mesh.is_on) && main_loop.bed.mesh().is_some();
     if words.changes() {
         use_mesh(main_loop, on).await?;
     }
-    Ok(Answer::Mesh(MeshAnswer::State))
+    Ok(Answer::words(&report_levelling))
 }
 
 /// Heights are counted from their mean.
@@ -137,21 +138,25 @@ pub(in crate::machine) fn mesh_of<P: PortSet, W: Wake>(
     match Mesh::new(*heights, first, last, main_loop.settings.mesh.fade) {
         Ok(mesh) => {
             if mesh.has_short_fade() {
-                main_loop.tell(Answer::Mesh(MeshAnswer::ShortFade(deviation(&mesh))));
+                let (fade, deviation) = (exact(main_loop.settings.mesh.fade), deviation(&mesh));
+                main_loop.say(text!(
+                    "echo:Fade height {fade} is short for a mesh of {deviation} mm: layers differ by a tenth"
+                ));
             }
             Some(mesh)
         }
         Err(MeshError::FadesTooFast) => {
             let flat = Mesh::new(*heights, first, last, Mm::ZERO).ok()?;
-            main_loop.tell(Answer::Mesh(MeshAnswer::NoFade(deviation(&flat))));
+            let (fade, deviation) = (exact(main_loop.settings.mesh.fade), deviation(&flat));
+            main_loop.say(text!("echo:Fade height {fade} is too short for a mesh of {deviation} mm: it does not fade"));
             Some(flat)
         }
         Err(_) => None,
     }
 }
 
-fn deviation(mesh: &Mesh) -> Mm {
-    Mm::saturating_from_num(mesh.deviation())
+fn deviation(mesh: &Mesh) -> Thousandths {
+    Thousandths(Mm::saturating_from_num(mesh.deviation()))
 }
 
 /// A height in the units of a mesh.

@@ -8,17 +8,17 @@ use super::probing::tell_of_home_offsets;
 use crate::connectors::Heater;
 use crate::gcode::Number;
 use crate::machine::answers::answer::Answer;
-use crate::machine::answers::mesh_answer::{MeshAnswer, MeshForm};
-use crate::machine::answers::probe_answer::ProbeAnswer;
 use crate::machine::apart::apart;
 use crate::machine::homing::homing_axes::{HomeWords, home};
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::surface::use_mesh;
+use crate::machine::numbers::{Hundredths, Thousandths};
 use crate::machine::ports::PortSet;
 use crate::machine::probe::area::{Area, LEAST_POINTS};
-use crate::machine::probe::reach::{area_reach, has_probe, nozzle_for};
+use crate::machine::probe::reach::{NO_PROBE, OutOfReach, area_reach, has_probe, nozzle_for};
 use crate::machine::probe::touch::{AfterTouch, touch_bed};
+use crate::machine::reports::mesh_report::report_grid;
 use crate::machine::state::level::Level;
 use crate::machine::state::modal::Modal;
 use crate::machine::states::States;
@@ -69,13 +69,13 @@ pub(in crate::machine) async fn measure<P: PortSet, W: Wake>(
     words: &GridWords,
 ) -> Result<Answer<'static>, Interrupt> {
     if !has_probe(main_loop) {
-        return Ok(Answer::Probe(ProbeAnswer::None));
+        return Ok(NO_PROBE);
     }
     if words.only_without && main_loop.settings.mesh.is_on && main_loop.bed.mesh().is_some() {
         return Ok(Answer::Line(packed!("echo:G29 O: a mesh is in use, nothing is measured")));
     }
-    if let Err(answer) = nozzle_for(&main_loop.settings, main_loop.settings.probe_home()) {
-        return Ok(Answer::Probe(answer));
+    if let Err(place) = nozzle_for(&main_loop.settings, main_loop.settings.probe_home()) {
+        return Ok(place.answer(main_loop));
     }
     main_loop.finish().await?;
     if words.homes {
@@ -91,15 +91,20 @@ pub(in crate::machine) async fn measure<P: PortSet, W: Wake>(
     let whole = whole_area(&main_loop.settings);
     let area = match area(whole, states, words) {
         Ok(area) => area,
-        Err(at) => return Ok(Answer::Probe(ProbeAnswer::OutOfReach { at, reaches: [whole.x, whole.y] })),
+        Err(at) => return Ok(OutOfReach { at, reaches: [whole.x, whole.y] }.answer(main_loop)),
     };
     if words.is_adaptive && states.area.bounds().is_none() {
-        let is_cut = states.area.is_cut();
-        main_loop.tell(Answer::Mesh(MeshAnswer::NotAdaptive { is_cut }));
+        let why = if states.area.is_cut() {
+            packed!("the outline of an object is too long")
+        } else {
+            packed!("no objects are known")
+        };
+        main_loop.say(text!("echo:ADAPTIVE ignored: {why}"));
     }
     if area != whole {
-        let Area { x, y, points } = area;
-        main_loop.tell(Answer::Mesh(MeshAnswer::Area { x, y, points }));
+        let Area { x, y, points: [columns, rows] } = area;
+        let [[x, to_x], [y, to_y]] = [x, y].map(|side| [side.least, side.most].map(Hundredths::of));
+        main_loop.say(text!("echo:measures X{x} to {to_x}, Y{y} to {to_y}, {columns} x {rows} points"));
     }
     if words.area.iter().any(Option::is_some) {
         tell_of_home_offsets(main_loop);
@@ -110,7 +115,7 @@ pub(in crate::machine) async fn measure<P: PortSet, W: Wake>(
     if !note_mesh(main_loop, &heights, &area, is_part) {
         return Ok(Answer::Nothing);
     }
-    main_loop.reply(Answer::Mesh(MeshAnswer::Heights(MeshForm::Grid))).await?;
+    main_loop.reply(Answer::words(&report_grid)).await?;
     let on = if words.is_dry {
         main_loop.bed = before;
         main_loop.settings.mesh.is_on
@@ -228,8 +233,11 @@ async fn touch_grid<P: PortSet, W: Wake>(
         let height = touch_bed(main_loop, Some(at), end).await?.saturating_sub(zero);
         heights.set(column, row, units(height));
         if is_told {
-            let number = number as u16 + 1;
-            main_loop.reply(Answer::Mesh(MeshAnswer::Point { number, all: all as u16, at, height })).await?;
+            let ([x, y], number) = (at.map(Hundredths::of), number + 1);
+            let height = Thousandths(height);
+            main_loop
+                .reply(Answer::words(&|to, _| to.say(text!("echo:probe {number}/{all} X{x} Y{y} Z{height}"))))
+                .await?;
         }
     }
     Ok(heights)

@@ -3,12 +3,14 @@
 use super::levelling::{change_heights, units};
 use crate::gcode::Number;
 use crate::machine::answers::answer::Answer;
-use crate::machine::answers::mesh_answer::MeshAnswer;
+use crate::machine::answers::reply_writer::ReplyWriter;
+use crate::machine::answers::words::Facts;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::surface::use_mesh;
 use crate::machine::ports::PortSet;
 use crate::machine::probe::area::Area;
+use crate::machine::reports::mesh_report::NO_MESH;
 use crate::machine::state::modal::Modal;
 use crate::machine::states::States;
 use crate::motion::Target;
@@ -72,6 +74,15 @@ fn point_of<P: PortSet, W: Wake>(
     numbers.iter().zip(count).all(|(number, count)| *number < count).then_some(numbers)
 }
 
+/// There is no such point.
+fn report_points(to: &mut ReplyWriter<'_>, facts: &Facts<'_>) {
+    if let Some(known) = facts.mesh {
+        let heights = known.mesh.heights();
+        let (i, j) = (heights.columns() - 1, heights.rows() - 1);
+        to.say(text!("echo:ignored: points are I0 to I{i}, J0 to J{j}, and X Y inside of them"));
+    }
+}
+
 /// M421.
 pub(in crate::machine) async fn change_point<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
@@ -79,7 +90,7 @@ pub(in crate::machine) async fn change_point<P: PortSet, W: Wake>(
     words: &PointWords,
 ) -> Result<Answer<'static>, Interrupt> {
     if main_loop.bed.mesh().is_none() {
-        return Ok(Answer::Mesh(MeshAnswer::None));
+        return Ok(Answer::Line(NO_MESH));
     }
     main_loop.finish().await?;
     if let Some(answer) = set_height(main_loop, states, words) {
@@ -97,7 +108,7 @@ fn set_height<P: PortSet, W: Wake>(
 ) -> Option<Answer<'static>> {
     let mesh = &main_loop.bed.mesh()?.mesh;
     let Some([column, row]) = point_of(main_loop, modal, mesh, words.point) else {
-        return Some(Answer::Mesh(MeshAnswer::NoPoint));
+        return Some(Answer::words(&report_points));
     };
     let mut heights = *mesh.heights();
     let range = ranges::MESH_HEIGHT;
@@ -129,14 +140,14 @@ pub(in crate::machine) async fn go_to_point<P: PortSet, W: Wake>(
     by_probe: bool,
     feed: Option<Number>,
 ) -> Result<Answer<'static>, Interrupt> {
-    let Some(known) = main_loop.bed.mesh() else { return Ok(Answer::Mesh(MeshAnswer::None)) };
+    let Some(known) = main_loop.bed.mesh() else { return Ok(Answer::Line(NO_MESH)) };
     if main_loop.homed.lacks_one_of([true; 3]) {
         return Ok(Answer::NotHomed);
     }
     let number = |asked: Option<Number>| asked.map_or(Some(0), |asked| usize::try_from(asked.to_int()).ok());
     let [column, row] = numbers.map(number);
     let place = column.zip(row).and_then(|(column, row)| place_of(&known.mesh, column, row));
-    let Some(place) = place else { return Ok(Answer::Mesh(MeshAnswer::NoPoint)) };
+    let Some(place) = place else { return Ok(Answer::words(&report_points)) };
     if let Some(speed) = states.clamps.feed(&states.modal, feed) {
         states.modal.feed = speed;
     }

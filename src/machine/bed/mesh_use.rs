@@ -3,7 +3,7 @@
 use super::levelling::{LevellingWords, forget, level, report};
 use super::{Answer, Entry, Interrupt, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::gcode::{Flaw, Grammar, Number, flaw_of_pairs};
-use crate::machine::answers::mesh_answer::{MeshAnswer, MeshForm};
+use crate::machine::reports::mesh_report::{NO_MESH, report_levelling};
 use crate::machine::setup::kept_mesh::{forget_kept_mesh, keep_mesh};
 
 /// Without words it reports.
@@ -95,12 +95,15 @@ pub(in crate::machine) async fn carry_out<P: PortSet, W: Wake>(
             forget(main_loop, false).await?;
             Answer::Nothing
         }
-        Asked::Output => report(main_loop, MeshForm::Grid),
-        Asked::Save if main_loop.bed.mesh().is_none() => Answer::Mesh(MeshAnswer::None),
-        Asked::Save => Answer::Mesh(keep_mesh(main_loop).await?.unwrap_or(MeshAnswer::State)),
+        Asked::Output => report(main_loop, false),
+        Asked::Save if main_loop.bed.mesh().is_none() => Answer::Line(NO_MESH),
+        Asked::Save => match keep_mesh(main_loop).await? {
+            Some(news) => news.answer(main_loop),
+            None => Answer::words(&report_levelling),
+        },
         Asked::Remove => {
             forget(main_loop, false).await?;
-            Answer::Mesh(forget_kept_mesh(main_loop).await?)
+            forget_kept_mesh(main_loop).await?.answer(main_loop)
         }
     })
 }

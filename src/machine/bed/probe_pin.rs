@@ -2,7 +2,6 @@
 
 use super::{Answer, Entry, Interrupt, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::gcode::{Grammar, Mark};
-use crate::machine::answers::probe_answer::ProbeAnswer;
 use crate::machine::probe::touch::{AfterTouch, set_out};
 
 /// S, H: whether a BLTouch stays out between touches, or report.
@@ -30,7 +29,11 @@ pub(in crate::machine) async fn carry_out<P: PortSet, W: Wake>(
 ) -> Result<Answer<'static>, Interrupt> {
     if is_about_quick(command) {
         main_loop.probing.set_quick(command.switch().unwrap_or(main_loop.probing.is_quick()));
-        return Ok(Answer::Probe(ProbeAnswer::Quick(main_loop.probing.is_quick())));
+        return Ok(Answer::Line(if main_loop.probing.is_quick() {
+            packed!("echo:BLTouch HS mode ON")
+        } else {
+            packed!("echo:BLTouch HS mode OFF")
+        }));
     }
     main_loop.finish().await?;
     set_out(main_loop, if command.code() == 401 { AfterTouch::Out } else { AfterTouch::In }).await?;

@@ -2,10 +2,9 @@
 
 use crate::gcode::Number;
 use crate::machine::answers::answer::Answer;
-use crate::machine::answers::probe_answer::ProbeAnswer;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
-use crate::machine::probe::reach::nozzle_for;
+use crate::machine::probe::reach::{OutOfReach, nozzle_for};
 use crate::machine::state::modal::Modal;
 use crate::port::Wake;
 use crate::units::Mm;
@@ -22,15 +21,15 @@ pub(in crate::machine) fn tell_of_home_offsets<P: PortSet, W: Wake>(main_loop: &
 pub(in crate::machine) enum NoPlace {
     /// An axis is not homed.
     NotHomed,
-    /// It is out of reach; the answer says what is not.
-    OutOfReach(ProbeAnswer),
+    OutOfReach(OutOfReach),
 }
 
-impl From<NoPlace> for Answer<'static> {
-    fn from(none: NoPlace) -> Self {
-        match none {
-            NoPlace::NotHomed => Self::NotHomed,
-            NoPlace::OutOfReach(answer) => Self::Probe(answer),
+impl NoPlace {
+    /// The answer that says so.
+    pub fn answer<P: PortSet, W: Wake>(self, main_loop: &mut MainLoop<'_, P, W>) -> Answer<'static> {
+        match self {
+            Self::NotHomed => Answer::NotHomed,
+            Self::OutOfReach(place) => place.answer(main_loop),
         }
     }
 }

@@ -3,12 +3,14 @@
 use super::probing::{place, tell_of_home_offsets};
 use super::{Answer, Entry, Interrupt, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::gcode::{Grammar, Mark, Nature, Number};
-use crate::machine::answers::probe_answer::ProbeAnswer;
-use crate::machine::probe::repeatability::Repeatability;
+use crate::machine::numbers::Thousandths;
+use crate::machine::probe::repeatability::{Repeatability, Spread};
 use crate::machine::probe::touch::{AfterTouch, find_bed, set_out, touch_again};
 use crate::machine::state::clamps::Clamps;
+use crate::machine::states::tell_clamps;
 use crate::settings::Range;
 use crate::units::Mm;
+use core::fmt;
 
 /// V0 tells the deviation alone, V2 each touch. With L or S the tool is to move in between, which it does not.
 pub(in crate::machine) const ENTRY: Entry = Entry::m("Z probe", &[48])
@@ -46,7 +48,10 @@ pub(in crate::machine) async fn carry_out<P: PortSet, W: Wake>(
             }
             repeat(main_loop, at, touches, verbosity).await?;
         }
-        Err(none) => return Ok(none.into()),
+        Err(none) => {
+            tell_clamps(main_loop, clamps);
+            return Ok(none.answer(main_loop));
+        }
     }
     Ok(if command.has(b'L') {
         Answer::NotObeyed("M48", b"L")
@@ -61,7 +66,8 @@ fn whole(clamps: &mut Clamps, letter: &'static str, number: Option<Number>, rang
     number.and_then(|number| clamps.whole_of(["M48", letter], number, range, None)).unwrap_or(usual)
 }
 
-/// Each touch counts by itself, unlike those of G30. So the deviation is that of the probe.
+/// Each touch counts by itself, unlike those of G30. So the deviation is that of the probe. The words are those of
+/// Marlin's M48.cpp.
 async fn repeat<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     at: [Mm; 2],
@@ -69,7 +75,7 @@ async fn repeat<P: PortSet, W: Wake>(
     verbosity: u16,
 ) -> Result<(), Interrupt> {
     if verbosity > 0 {
-        main_loop.tell(Answer::Probe(ProbeAnswer::Test));
+        main_loop.say(text!("M48 Z-Probe Repeatability Test"));
     }
     find_bed(main_loop, Some(at)).await?;
     let mut found = Repeatability::default();
@@ -77,11 +83,28 @@ async fn repeat<P: PortSet, W: Wake>(
         let height = touch_again(main_loop).await?;
         found.add(height);
         if verbosity > 1 {
-            main_loop.reply(Answer::Probe(ProbeAnswer::Sample { number, of: touches, height })).await?;
+            let height = Thousandths(height);
+            main_loop.reply(Answer::words(&|to, _| to.say(text!("{number} of {touches}: z: {height}")))).await?;
         }
     }
     set_out(main_loop, AfterTouch::In).await?;
-    let finished = ProbeAnswer::Finished { spread: found.spread(), is_verbose: verbosity > 0 };
-    main_loop.tell(Answer::Probe(finished));
+    let Spread { mean_nm, least, most, sigma_nm } = found.spread();
+    main_loop.say(text!("Finished!"));
+    if verbosity > 0 {
+        let range = Thousandths(most.saturating_sub(least));
+        let [least, most] = [least, most].map(Thousandths);
+        main_loop.say(text!("Mean: {} Min: {least} Max: {most} Range: {range}", Millionths(mean_nm)));
+    }
+    main_loop.say(text!("Standard Deviation: {}", Millionths(sigma_nm.cast_signed())));
     Ok(())
+}
+
+/// Nanometres as mm with six decimals.
+struct Millionths(i64);
+
+impl fmt::Display for Millionths {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (sign, size) = (if self.0 < 0 { "-" } else { "" }, self.0.unsigned_abs());
+        write!(f, "{sign}{}.{:06}", size / 1_000_000, size % 1_000_000)
+    }
 }

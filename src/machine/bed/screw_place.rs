@@ -3,7 +3,8 @@
 use super::{Answer, Entry, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::gcode::{Grammar, Number};
 use crate::kinematics::SCREWS;
-use crate::machine::answers::setting::Setting;
+use crate::machine::reports::setting::Setting;
+use crate::machine::reports::settings_report::report_setting;
 use crate::settings::{Range, Screw, WholePlace, ranges};
 use crate::units::Mm;
 
@@ -32,7 +33,7 @@ pub(in crate::machine) fn carry_out<'a, P: PortSet, W: Wake>(
     }
     let [point, place, x, y] = [b'S', b'W', b'X', b'Y'].map(|letter| command.number(letter));
     let (letter, screw) = match (point, place) {
-        (None, None) => return Answer::Setting(Setting::Screws),
+        (None, None) => return Answer::words(&|to, facts| report_setting(to, Setting::Screws, facts.settings)),
         (Some(screw), None) => ("S", screw),
         (None, Some(screw)) => ("W", screw),
         (Some(_), Some(_)) => {

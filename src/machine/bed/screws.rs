@@ -1,4 +1,4 @@
-//! G34: the screws of z are levelled by the probe. G35: how far to turn the hand screws of the bed.
+//! G34: the screws of z are levelled by the probe. What it says are Marlin's words (G34_M422.cpp).
 //!
 //! A round of G34 probes the bed at a point for each screw, and turns each screw's motor by the height of the bed there
 //! (`kinematics::heights_at_screws`). The reference point, where z was found, keeps its height, so z and a mesh stay
@@ -10,17 +10,18 @@
 use crate::gcode::Number;
 use crate::kinematics::{FitError, Place, SCREWS, heights_at_screws};
 use crate::machine::answers::answer::Answer;
-use crate::machine::answers::probe_answer::ProbeAnswer;
-use crate::machine::answers::screw_answer::{Corner, ScrewAnswer};
+use crate::machine::answers::reply_writer::ReplyWriter;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::trim::turn_screw;
+use crate::machine::numbers::Thousandths;
 use crate::machine::ports::PortSet;
-use crate::machine::probe::reach::{has_probe, nozzle_for};
+use crate::machine::probe::reach::nozzle_for;
 use crate::machine::probe::touch::{AfterTouch, touch_bed};
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::job::JobEnd;
 use crate::machine::state::level::LevelFailure;
+use crate::machine::states::tell_clamps;
 use crate::motion::{from_f32, to_f32};
 use crate::motors::Motor;
 use crate::port::Wake;
@@ -59,9 +60,6 @@ const MOST_GRADE: f32 = 0.05;
 /// The greatest difference that may be left in tenths of the one before; with an error of 30 % in the distance of the
 /// screws, 4 tenths are left.
 const MOST_LEFT_TENTHS: i64 = 7;
-
-/// Distance of the corners that G35 probes from the edges of the bed. Marlin's example has 20 to 50 mm.
-const INSET: Mm = Mm::const_from_int(30);
 
 /// What G34 levels.
 struct Screws {
@@ -152,8 +150,9 @@ pub(in crate::machine) async fn level_screws<P: PortSet, W: Wake>(
     }
     // All of them before the first touch, so that the tool does not stop half-way.
     for point in &screws.points {
-        if let Err(answer) = nozzle_for(&main_loop.settings, point.map(f32_to_mm)) {
-            return Ok(Answer::Probe(answer));
+        if let Err(place) = nozzle_for(&main_loop.settings, point.map(f32_to_mm)) {
+            tell_clamps(main_loop, clamps);
+            return Ok(place.answer(main_loop));
         }
     }
     let end = if keeps_out { AfterTouch::Out } else { AfterTouch::In };
@@ -162,7 +161,7 @@ pub(in crate::machine) async fn level_screws<P: PortSet, W: Wake>(
     let (mut left, mut is_level) = (Mm::ZERO, false);
     while done < rounds && !is_level {
         done += 1;
-        main_loop.tell(Answer::Screws(ScrewAnswer::Round(done)));
+        main_loop.say(text!("G34 Iteration: {done}"));
         let mut heights: Vec<f32, SCREWS> = Vec::new();
         for place in 0..screws.points.len() {
             let Some(point) = screws.points.get(place).copied() else { break };
@@ -171,9 +170,8 @@ pub(in crate::machine) async fn level_screws<P: PortSet, W: Wake>(
         }
         // The same places as before, so there is a fit.
         let Ok(found) = screws.find(&heights) else { break };
-        main_loop
-            .reply(Answer::Screws(ScrewAnswer::Heights(found.heights.map(f32_to_mm), screws.motors.len())))
-            .await?;
+        let (heights, count) = (found.heights.map(f32_to_mm), screws.motors.len());
+        main_loop.reply(Answer::words(&|to, _| report_heights(to, heights.get(..count).unwrap_or(&heights)))).await?;
         left = found.spread;
         is_level = left <= within;
         if is_level {
@@ -197,7 +195,25 @@ pub(in crate::machine) async fn level_screws<P: PortSet, W: Wake>(
         before = Some((left, turns));
     }
     main_loop.homed.note_level(is_level);
-    Ok(Answer::Screws(ScrewAnswer::Done { rounds: done, of: rounds, left, is_level }))
+    tell_clamps(main_loop, clamps);
+    if is_level {
+        main_loop.say(text!("Target accuracy achieved."));
+    }
+    main_loop.say(text!("Did {done} of {rounds}"));
+    // Nothing has measured what the last turns did.
+    let when = if is_level { "" } else { " before the last turns" };
+    main_loop.say(text!("Accuracy: {}{when}", Thousandths(left)));
+    Ok(Answer::Said)
+}
+
+/// How much higher the bed is at each screw than at those that follow.
+fn report_heights(to: &mut ReplyWriter<'_>, heights: &[Mm]) {
+    for (first, height) in heights.iter().enumerate() {
+        for (second, other) in heights.iter().enumerate().skip(first + 1) {
+            let (a, b, difference) = (first + 1, second + 1, Thousandths(height.saturating_sub(*other)));
+            to.say(text!("{a}:{b}={difference}"));
+        }
+    }
 }
 
 /// The steps of each motor that level the bed, with its reference at rest.
@@ -228,59 +244,6 @@ async fn turn<P: PortSet, W: Wake>(
     main_loop.homed.stop();
     main_loop.homed.arrive(z);
     Ok(())
-}
-
-/// Hand screws by the S of G35: their pitches (ISO 261, coarse) and whether they turn clockwise.
-const THREADS: [(i32, Mm); 3] =
-    [(3, const { Mm::lit("0.5") }), (4, const { Mm::lit("0.7") }), (5, const { Mm::lit("0.8") })];
-
-/// M3, clockwise (Configuration_adv.h, `TRAMMING_SCREW_THREAD`).
-const THREAD: i32 = 30;
-
-/// G35.
-pub(in crate::machine) async fn tell_hand_screws<P: PortSet, W: Wake>(
-    main_loop: &mut MainLoop<'_, P, W>,
-    thread: Option<Number>,
-) -> Result<Answer<'static>, Interrupt> {
-    let thread = thread.map_or(THREAD, |thread| thread.to_int());
-    let known = THREADS.into_iter().find(|(size, _)| *size == thread / 10).filter(|_| matches!(thread % 10, 0 | 1));
-    let Some((_, pitch)) = known else {
-        return Ok(Answer::Line(packed!("echo:G35 ignored: S is 30, 31, 40, 41, 50 or 51")));
-    };
-    if !has_probe(main_loop) {
-        return Ok(Answer::Probe(ProbeAnswer::None));
-    }
-    if main_loop.homed.lacks_one_of([true; 3]) {
-        return Ok(Answer::NotHomed);
-    }
-    let is_reversed = thread % 10 == 1;
-    let [x, y] = main_loop.settings.probe_reach(Mm::ZERO);
-    let bed = main_loop.settings.bed;
-    let inside = |from: Mm, size: Mm, reach: Range<Mm>| {
-        let (least, most) = (from.saturating_add(INSET), from.saturating_add(size).saturating_sub(INSET));
-        [least, most].map(|at| reach.clamp(at))
-    };
-    let (columns, rows) = (inside(bed.left, bed.width, x), inside(bed.front, bed.depth, y));
-    for (x, y) in columns.into_iter().zip(rows) {
-        if let Err(answer) = nozzle_for(&main_loop.settings, [x, y]) {
-            return Ok(Answer::Probe(answer));
-        }
-    }
-    let mut first = None;
-    for corner in Corner::ALL {
-        let [is_right, is_back] = corner.sides();
-        let at = [columns[usize::from(is_right)], rows[usize::from(is_back)]];
-        let height = touch_bed(main_loop, Some(at), AfterTouch::In).await?;
-        let Some(first) = first else {
-            first = Some(height);
-            continue;
-        };
-        let higher = height.saturating_sub(first);
-        // As Marlin has it (G35.cpp): a turn clockwise lifts the bed.
-        let is_clockwise = (higher < Mm::ZERO) != is_reversed;
-        main_loop.tell(Answer::Screws(ScrewAnswer::Corner { corner, higher, pitch, is_clockwise }));
-    }
-    Ok(Answer::Line(packed!("echo:Turn the screws, then send G35 again")))
 }
 
 #[cfg(test)]

@@ -2,7 +2,6 @@
 
 use super::{Answer, Entry, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::gcode::{Grammar, Mark, Number};
-use crate::machine::answers::probe_answer::ProbeAnswer;
 use crate::machine::probe::deploy::set_servo;
 use crate::settings::{ProbeKind, Range};
 
@@ -32,7 +31,11 @@ pub(in crate::machine) fn carry_out<'a, P: PortSet, W: Wake>(
     }
     let Some(order) = order else {
         let angle = |micros: u16| ((u32::from(micros - SHORTEST) * 180 + 928) / u32::from(HALF_TURN)) as u16;
-        return Answer::Probe(ProbeAnswer::Servo(main_loop.probing.servo().map(angle)));
+        match main_loop.probing.servo().map(angle) {
+            Some(angle) => main_loop.say(text!("echo: Servo 0: {angle}")),
+            None => main_loop.say(text!("echo: Servo 0: off")),
+        }
+        return Answer::Said;
     };
     if order == Number::from(-1) {
         set_servo(main_loop, None);

@@ -7,20 +7,20 @@
 
 pub(in crate::machine) use super::scan::BeltError;
 
+use super::align_error::AlignError;
 use super::diagnosis::FULL_STEPS_A_TURN;
 use super::load_curve::{
     Findings, PARTS, Slope, apex, contradiction, dragged, error, is_less_loaded, thousandths, without_torque,
 };
 use super::scan::{ALL, ARM, ARMS, LEFT, RIGHT, Scan, go_to, measure};
 use crate::kinematics::{Residual, Residuals};
-use crate::machine::answers::answer::Answer;
-use crate::machine::answers::belt_answer::{AlignError, BeltAnswer};
 use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::phase::find_phase;
 use crate::machine::main_loop::trim::{preload_of, trim, trimmed};
 use crate::machine::ports::PortSet;
+use crate::machine::reports::residual_sum::ResidualSum;
 use crate::machine::state::trimming::Found;
 use crate::port::{MotorSet, Wake};
 use crate::settings::Settings;
@@ -262,7 +262,7 @@ async fn climb<P: PortSet, W: Wake>(
     if slope.is_some()
         && let Some(before) = main_loop.trimming.other_load(number, now)
     {
-        main_loop.tell(Answer::Belt(BeltAnswer::Load { number, now, before }));
+        tell_of_load(main_loop, number, now, before);
     }
     let contradiction = each_follows(main_loop, scan, slope)?;
     let slope = slope.ok_or(AlignError::Flat)?;
@@ -278,7 +278,7 @@ async fn climb<P: PortSet, W: Wake>(
         // Strain takes only a part of the torque near the apex. Far from it, strain may take all of it.
         let [left, _, right] = &scan.loads;
         if let Some(motor) = without_torque([left, right]) {
-            return Err(AlignError::AtLimit(motor).into());
+            return Err(AlignError::AtLimit(main_loop.settings.name_of(motor)).into());
         }
         findings.note(about, apex(&scan.loads, slope));
         about = findings.step();
@@ -296,6 +296,18 @@ async fn climb<P: PortSet, W: Wake>(
     })
 }
 
+/// A mm of strain takes another part of the load than before, of this residual.
+fn tell_of_load<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>, number: usize, now: u16, before: u16) {
+    let Some(residual) = main_loop.settings.residuals().iter().nth(number).copied() else { return };
+    main_loop.tell(|to, facts| {
+        let sum = ResidualSum(&residual, facts.settings);
+        to.say(text!(
+            "echo:{sum}: a mm of strain takes {now} of SG_RESULT, {before} before: a roller or motor drags, the belt \
+            has changed, or currents (M906)"
+        ));
+    });
+}
+
 /// Refuses a motor that does not follow its field, with the apex in the middle: it moves with the next stroke. Refuses
 /// loads that contradict each other by more than half a full step, at which strain and phase are not known. If other
 /// motors do so without that motor, it is not to blame. Returns the contradiction, in fractions of a step.
@@ -310,7 +322,7 @@ fn each_follows<P: PortSet, W: Wake>(
     if found > arm * PARTS / 4 {
         return Err(AlignError::Drags(main_loop.settings.belt_length(thousandths(found))));
     }
-    blamed.map_or(Ok(found), |motor| Err(AlignError::AtLimit(motor)))
+    blamed.map_or(Ok(found), |motor| Err(AlignError::AtLimit(main_loop.settings.name_of(motor))))
 }
 
 /// Whether a printing move needs an alignment first.

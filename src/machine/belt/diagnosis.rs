@@ -5,11 +5,45 @@
 //! differ for every motor and direction. The displacement depends on the tool's place and is less than half the skip.
 
 use crate::kinematics::{Mechanism, Residual};
-use crate::machine::answers::belt_answer::Diagnosis;
 use crate::motors::Motor;
 
 /// Full steps of an electrical turn of any two-phase motor.
 pub(in crate::machine) const FULL_STEPS_A_TURN: i32 = 4;
+
+/// How the motors of one belt have changed since they were aligned.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(in crate::machine) enum Diagnosis {
+    /// Nothing changed: the switches are in place, and no motor strains the belt.
+    Nothing,
+    /// The tool is elsewhere, the motors agree, and no skip moves it so far.
+    Aside,
+    /// The tool is elsewhere, and the motors agree: some have skipped alike, or a switch has moved.
+    Alike,
+    /// The belt is strained as no skip does it, and nothing else is wrong.
+    Moved,
+    /// One motor has skipped, by this many full steps.
+    Skip { motor: Motor, full_steps: i32 },
+    /// More than one skip, or a state that skips cannot explain.
+    Several,
+}
+
+impl Diagnosis {
+    /// Of two residuals' diagnoses, the one that explains more.
+    pub const fn graver(self, other: Self) -> Self {
+        if self.rank() > other.rank() { self } else { other }
+    }
+
+    const fn rank(self) -> u8 {
+        match self {
+            Self::Nothing => 0,
+            Self::Aside => 1,
+            Self::Alike => 2,
+            Self::Moved => 3,
+            Self::Skip { .. } => 4,
+            Self::Several => 5,
+        }
+    }
+}
 
 /// The measurements, in steps.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -31,14 +31,15 @@
 //! | `main_loop::trim` | one motor is turned alone |
 //! | [`load_curve`] | the least load, from the drivers' measurements |
 //! | [`scan`] | these measurements, with a motor at several trims |
-//! | [`align`] | motors are aligned |
+//! | [`align`], [`align_error`] | motors are aligned; why they could not be |
 //! | `main_loop::phase` | motors are aligned as they get power, by their drivers' sine tables |
 //! | [`diagnosis`] | which motor has skipped |
 //! | `state::pulleys` | what a changed phase says of the pulleys |
-//! | [`report`] | the belt's part of M122 |
+//! | [`report`] | what hosts read of it; the belt's part of M122 |
 //! | `main_loop::limp` | one motor has failed, and the others park the tool |
 
 pub(in crate::machine) mod align;
+pub(in crate::machine) mod align_error;
 pub(in crate::machine) mod circulate;
 pub(in crate::machine) mod diagnosis;
 pub(in crate::machine) mod load_curve;

@@ -2,10 +2,10 @@
 //!
 //! A TMC2209 measures a motor's load only while it turns, so the tool makes a stroke and goes back at each place.
 
+use super::align_error::AlignError;
 use super::load_curve::{Load, Readings, Slope, load_of_stroke, slope};
 use crate::driver::{DriverError, DriverJob, Fault};
 use crate::kinematics::{Residual, motors_in};
-use crate::machine::answers::belt_answer::AlignError;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::trim::trim;

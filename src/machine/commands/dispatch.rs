@@ -6,6 +6,7 @@
 //!
 //! Each is polled by a function of its own (`apart`). In one function they took 7.3 KB more of an image.
 
+use super::malformed::report_malformed;
 use super::table;
 use crate::gcode::{Command, Flaw, Mark};
 use crate::machine::answers::answer::Answer;
@@ -56,7 +57,10 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Wake>(
         }
         Command::Silent => Ok(Answer::Nothing),
         Command::Malformed(Flaw::Absent(absent)) if !states.notices.give_absent(absent.key()) => Ok(Answer::Nothing),
-        Command::Malformed(flaw) => Ok(Answer::Malformed(flaw)),
+        Command::Malformed(flaw) => {
+            main_loop.tell(|to, _| report_malformed(to, &flaw));
+            Ok(Answer::Said)
+        }
         Command::Unknown(text) => {
             note_unknown(main_loop, text);
             Ok(Answer::Unknown(text))

@@ -15,7 +15,7 @@
 //! |---|---|
 //! | [`table`] | the list of all commands, and what is made from it |
 //! | [`dispatch`] | what is the same for every command: refusals, clamped values, the end of a job |
-//! | [`waits`] | the next steps that some commands return |
+//! | [`malformed`] | what hosts read of a line that is not in order |
 //! | [`silent`], [`conditions`] | rows without an effect |
 //!
 //! | word | means |
@@ -25,6 +25,6 @@
 
 mod conditions;
 pub(in crate::machine) mod dispatch;
+mod malformed;
 mod silent;
 pub(in crate::machine) mod table;
-mod waits;

@@ -3,16 +3,14 @@
 //! | part of a file | is |
 //! |---|---|
 //! | `ENTRY` | codes, rules for words, the line of docs/reference/gcode.md, and examples with their answers |
-//! | `carry_out` | its effect: at once, or awaited. The result is its answer, or a next step that is awaited here |
+//! | `carry_out` | its effect: at once, or awaited. The result is its answer |
 //!
-//! Words of an answer are functions in the same file ([`Says`](crate::machine::answers::says::Says)). Several commands
-//! of one kind are rows of one file, with names of their own.
+//! Words of an answer stand in the same file ([`Words`](crate::machine::answers::words::Words)). Several commands of
+//! one kind are rows of one file, with names of their own.
 
-use super::waits::take_step;
 use super::{conditions, silent};
 use crate::gcode::{Command, Entry, Example, Line, Mark, Row, TableCommand, parse_with};
 use crate::machine::answers::answer::Answer;
-use crate::machine::answers::probe_answer::ProbeAnswer;
 use crate::machine::apart::apart;
 use crate::machine::bed::{
     bed_height, bed_mesh, hand_screws, mesh_point, mesh_use, print_area, print_objects, probe_pin, repeatability,
@@ -34,7 +32,7 @@ use crate::machine::ports::PortSet;
 use crate::machine::print::{
     at_once, await_user, debug_flags, object, pause_print, power_loss, print_marks, progress, upload,
 };
-use crate::machine::probe::reach::has_probe;
+use crate::machine::probe::reach::{NO_PROBE, has_probe};
 use crate::machine::resonance::commands as resonances;
 use crate::machine::setup::{
     all_settings, input_shaper, machine_record, plain_settings, pressure_advance, storage, velocity_limit,
@@ -93,26 +91,15 @@ macro_rules! list {
 
 list! {
     at_once {
-        all_settings,
-        at_once(CANCEL, CONTINUE, ANSWER, STOP, RESTART),
         auto_reports,
         cold_limit,
         controller_fan,
         debug_flags,
         driver_current,
-        dwell,
-        fan_off,
-        fan_speed,
         fan_turns,
-        feed_percent,
         finish,
         firmware,
         flow_percent,
-        heat_targets(HOTEND, BED, CHAMBER),
-        heater_model,
-        heater_self_test,
-        heater_tuning,
-        heaters_reached,
         home_offsets,
         hybrid_threshold,
         inches,
@@ -140,14 +127,25 @@ list! {
         velocity_limit,
     }
     awaited {
+        all_settings,
+        at_once(CANCEL, CONTINUE, ANSWER, STOP, RESTART),
         await_user(WAIT, CHANGE),
         bed_height,
         bed_mesh(ENTRY, WHOLE, BY_NAME),
         belt_alignment,
         diagnosis,
         driver_mode,
+        dwell,
         endstops,
+        fan_off,
+        fan_speed,
+        feed_percent,
         hand_screws,
+        heat_targets(HOTEND, BED, CHAMBER),
+        heater_model,
+        heater_self_test,
+        heater_tuning,
+        heaters_reached,
         home,
         input_shaper,
         machine_record(GET, PUT, STORE),
@@ -234,7 +232,7 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Wake>(
     command: &TableCommand<'a>,
 ) -> Result<Answer<'a>, Interrupt> {
     if command.has_mark(Mark::NeedsProbe) && !has_probe(main_loop) {
-        return Ok(Answer::Probe(ProbeAnswer::None));
+        return Ok(NO_PROBE);
     }
     if command.has_mark(Mark::AfterRest) {
         main_loop.finish().await?;
@@ -243,10 +241,7 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Wake>(
         let place = command.place() - ROWS_AT_ONCE;
         return apart(pin!(carry_out_awaited(main_loop, states, command, place))).await;
     };
-    match effect(main_loop, states, command) {
-        Answer::Then(step) => apart(pin!(take_step(main_loop, states, step))).await,
-        answer => Ok(answer),
-    }
+    Ok(effect(main_loop, states, command))
 }
 
 /// Every row.

@@ -3,8 +3,6 @@
 use crate::connectors::Heater;
 use crate::gcode::{Entry, Grammar, Number, TableCommand};
 use crate::machine::answers::answer::Answer;
-use crate::machine::answers::reply_writer::ReplyWriter;
-use crate::machine::answers::says::Facts;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::numbers::shortest;
 use crate::machine::ports::PortSet;
@@ -41,7 +39,10 @@ pub(in crate::machine) fn carry_out<'a, P: PortSet, W: Wake>(
         });
     }
     if least.is_none() && allow.is_none() {
-        return Answer::says(say_state, i32::from(cold.is_allowed()));
+        let least = main_loop.settings.thermal.min_extrude;
+        let state = if cold.is_allowed() || least <= Celsius::ZERO { "enabled" } else { "disabled" };
+        main_loop.say(text!("echo:Cold extrudes are {state} (min temp {}C)", shortest(least)));
+        return Answer::Said;
     }
     if let Some(least) = least {
         let range = Range { most: ranges::MIN_EXTRUDE.most.min(hotend.most), ..ranges::MIN_EXTRUDE };
@@ -55,10 +56,4 @@ pub(in crate::machine) fn carry_out<'a, P: PortSet, W: Wake>(
         cold.allow(allow);
     }
     Answer::Nothing
-}
-
-fn say_state(to: &mut ReplyWriter<'_>, facts: &Facts<'_>) {
-    let least = facts.settings.thermal.min_extrude;
-    let state = if facts.number != 0 || least <= Celsius::ZERO { "enabled" } else { "disabled" };
-    to.say(text!("echo:Cold extrudes are {state} (min temp {}C)", shortest(least)));
 }

@@ -3,7 +3,7 @@
 use super::fans::FULL;
 use super::{Answer, Entry, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::gcode::Grammar;
-use crate::machine::answers::setting::HeatSetting;
+use crate::machine::reports::heat_settings_report::report_controller_fan;
 use crate::settings::{FanRole, Range, ThermalSettings, ranges};
 
 pub(in crate::machine) const ENTRY: Entry = Entry::m("Heat and fans", &[710])
@@ -27,7 +27,7 @@ pub(in crate::machine) fn carry_out<'a, P: PortSet, W: Wake>(
     let (speed, run_on, resets) = (command.number(b'S'), command.number(b'D'), command.has(b'R'));
     let other: Option<&[u8]> = if command.has(b'I') { Some(b"I") } else { command.has(b'A').then_some(b"A") };
     if speed.or(run_on).is_none() && !resets && other.is_none() {
-        return Answer::HeatSetting(HeatSetting::ControllerFan);
+        return Answer::words(&|to, facts| report_controller_fan(to, &facts.settings.thermal));
     }
     let defaults = main_loop.settings.defaults().thermal;
     let thermal = main_loop.heat_settings();

@@ -1,7 +1,7 @@
 //! M106: the speed of a fan, in its turn among the moves.
 
 use super::fans::order_fan;
-use super::{Answer, Entry, MainLoop, PortSet, States, TableCommand, Wake};
+use super::{Answer, Entry, Interrupt, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::gcode::{Grammar, Number, Part};
 
 pub(in crate::machine) const ENTRY: Entry = Entry::m("Heat and fans", &[106])
@@ -22,10 +22,10 @@ pub(in crate::machine) const ENTRY: Entry = Entry::m("Heat and fans", &[106])
 /// Without S it is full speed.
 const FULL_SPEED: i32 = 255;
 
-pub(in crate::machine) fn carry_out<'a, P: PortSet, W: Wake>(
+pub(in crate::machine) async fn carry_out<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
-    command: &TableCommand<'a>,
-) -> Answer<'a> {
-    order_fan(main_loop, states, command, command.number(b'S').unwrap_or(Number::from(FULL_SPEED)))
+    command: &TableCommand<'_>,
+) -> Result<Answer<'static>, Interrupt> {
+    order_fan(main_loop, states, command, command.number(b'S').unwrap_or(Number::from(FULL_SPEED))).await
 }

@@ -3,7 +3,7 @@
 use super::{Answer, Entry, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::gcode::{Grammar, Mark, Nature};
 use crate::machine::answers::reply_writer::ReplyWriter;
-use crate::machine::answers::says::Facts;
+use crate::machine::answers::words::Facts;
 use crate::machine::hosts::schedule::Report;
 use crate::machine::messages::auto_reports::report_every;
 use crate::machine::reports::fan_report::FanTurns;
@@ -26,7 +26,7 @@ pub(in crate::machine) fn carry_out<'a, P: PortSet, W: Wake>(
 ) -> Answer<'a> {
     match command.number(b'S') {
         Some(seconds) => report_every(main_loop, clamps, Report::FanTurns, Some(seconds)),
-        None => Answer::says(say_turns, 0),
+        None => Answer::words(&say_turns),
     }
 }
 

@@ -1,7 +1,7 @@
 //! M104, M109, M140, M190, M141, M191: the targets of the heaters; each second code waits for its own.
 
 use super::heating::order_heat;
-use super::{Answer, Entry, MainLoop, PortSet, States, TableCommand, Wake};
+use super::{Answer, Entry, Interrupt, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::connectors::Heater;
 use crate::gcode::{Grammar, Nature, Number, Part};
 
@@ -49,13 +49,13 @@ fn heats(command: &TableCommand<'_>) -> bool {
     command.number(b'S').or_else(|| command.number(b'R')).is_some_and(|target| target > Number::ZERO)
 }
 
-pub(in crate::machine) fn carry_out<'a, P: PortSet, W: Wake>(
+pub(in crate::machine) async fn carry_out<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
-    command: &TableCommand<'a>,
-) -> Answer<'a> {
+    command: &TableCommand<'_>,
+) -> Result<Answer<'static>, Interrupt> {
     let Some((_, code, heater, waits)) = TARGETS.into_iter().find(|(code, ..)| *code == command.code()) else {
-        return Answer::Nothing;
+        return Ok(Answer::Nothing);
     };
-    order_heat(main_loop, states, command, code, (heater, waits))
+    order_heat(main_loop, states, command, code, (heater, waits)).await
 }

@@ -6,13 +6,17 @@
 
 use super::heater_settings::heater_of;
 use super::heating::model_of;
-use super::{Answer, Entry, MainLoop, PortSet, States, TableCommand, Wake};
+use super::tuning::{TuningWords, tune};
+use super::{Answer, Entry, Interrupt, MainLoop, PortSet, States, TableCommand, Wake};
+use crate::connectors::Heater;
 use crate::gcode::Grammar;
-use crate::machine::answers::next_step::{NextStep, TuningWords};
-use crate::machine::answers::setting::HeatSetting;
+use crate::machine::apart::apart;
 use crate::machine::numbers::rate;
+use crate::machine::reports::heat_settings_report::report_model;
+use crate::machine::state::clamps::Clamps;
 use crate::settings::{Control, Plausible, Range, ranges};
 use crate::units::{Ratio, Seconds};
+use core::pin::pin;
 
 /// The letters of its numbers.
 const NUMBERS: &[u8] = b"PCAFRLH";
@@ -32,24 +36,35 @@ const FASTEST: Ratio = Ratio::const_from_int(10);
 
 /// F is the whole loss with the part fan at full speed, as in Marlin. The legal range depends on the kind of heater and
 /// on its power, which the same line may set. Without E it is the hotend's, and says so.
-pub(in crate::machine) fn carry_out<'a, P: PortSet, W: Wake>(
+pub(in crate::machine) async fn carry_out<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     States { clamps, .. }: &mut States,
-    command: &TableCommand<'a>,
-) -> Answer<'a> {
+    command: &TableCommand<'_>,
+) -> Result<Answer<'static>, Interrupt> {
     let heater = heater_of(command);
     if command.has(b'T') {
         let words = TuningWords { heater, target: None, cycles: None, applies: true };
-        return Answer::Then(NextStep::Tune(words));
+        return apart(pin!(tune(main_loop, clamps, &words))).await;
     }
+    Ok(set_model(main_loop, clamps, heater, command))
+}
+
+/// Sets what the words say of the model, or reports it.
+fn set_model<P: PortSet, W: Wake>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    clamps: &mut Clamps,
+    heater: Option<Heater>,
+    command: &TableCommand<'_>,
+) -> Answer<'static> {
     let heater = match model_of(&main_loop.settings.thermal, heater) {
         Ok(heater) => heater,
-        Err(answer) => return answer,
+        Err(line) => return Answer::Line(line),
     };
     // The open line ends, whether values are legal or not.
     main_loop.heat_settings();
     if NUMBERS.iter().all(|letter| command.number(*letter).is_none()) {
-        return Answer::HeatSetting(HeatSetting::Model(heater));
+        main_loop.tell(|to, facts| report_model(to, heater, &facts.settings.thermal));
+        return Answer::Said;
     }
     let mut wanted = main_loop.settings.thermal;
     let settings = wanted.heater_mut(heater);

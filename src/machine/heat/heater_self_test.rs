@@ -2,23 +2,23 @@
 //!
 //! No firmware has an M-code for it, so it has a name, as Klipper's commands do.
 
-use super::{Answer, Entry, MainLoop, PortSet, States, TableCommand, Wake};
+use super::self_test::test_heaters;
+use super::{Answer, Entry, Interrupt, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::gcode::Nature;
-use crate::machine::answers::next_step::NextStep;
 
 pub(in crate::machine) const ENTRY: Entry = Entry::name("Heat and fans", &["SELF_TEST"])
     .nature(Nature::Work)
     .does("", "tests that each heater warms its own sensor")
     .examples(&[("SELF_TEST", &["echo:no heaters configured, ignored"])]);
 
-pub(in crate::machine) fn carry_out<'a, P: PortSet, W: Wake>(
+pub(in crate::machine) async fn carry_out<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     _: &mut States,
-    _: &TableCommand<'a>,
-) -> Answer<'a> {
+    _: &TableCommand<'_>,
+) -> Result<Answer<'static>, Interrupt> {
     if main_loop.settings.thermal.has_heater() {
-        Answer::Then(NextStep::SelfTest)
+        test_heaters(main_loop).await
     } else {
-        Answer::Line(packed!("echo:no heaters configured, ignored"))
+        Ok(Answer::Line(packed!("echo:no heaters configured, ignored")))
     }
 }

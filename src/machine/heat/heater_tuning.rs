@@ -1,9 +1,11 @@
 //! M303: finds out how a heater behaves.
 
 use super::heater_settings::heater_of;
-use super::{Answer, Entry, MainLoop, PortSet, States, TableCommand, Wake};
+use super::tuning::{TuningWords, tune};
+use super::{Answer, Entry, Interrupt, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::gcode::{Grammar, Nature, Number, Part};
-use crate::machine::answers::next_step::{NextStep, TuningWords};
+use crate::machine::apart::apart;
+use core::pin::pin;
 
 pub(in crate::machine) const ENTRY: Entry = Entry::m("Heat and fans", &[303])
     .nature(Nature::Work)
@@ -12,17 +14,18 @@ pub(in crate::machine) const ENTRY: Entry = Entry::m("Heat and fans", &[303])
     .examples(&[("M303 E0 S200", &["echo:no heaters configured, ignored"])]);
 
 /// U alone is U1.
-pub(in crate::machine) fn carry_out<'a, P: PortSet, W: Wake>(
-    _: &mut MainLoop<'_, P, W>,
-    _: &mut States,
-    command: &TableCommand<'a>,
-) -> Answer<'a> {
-    Answer::Then(NextStep::Tune(TuningWords {
+pub(in crate::machine) async fn carry_out<P: PortSet, W: Wake>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    States { clamps, .. }: &mut States,
+    command: &TableCommand<'_>,
+) -> Result<Answer<'static>, Interrupt> {
+    let words = TuningWords {
         heater: heater_of(command),
         target: command.number(b'S'),
         cycles: command.number(b'C'),
         applies: command.has(b'U') && command.number(b'U') != Some(Number::ZERO),
-    }))
+    };
+    apart(pin!(tune(main_loop, clamps, &words))).await
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! M116: waits for all heaters that are on.
 
 use super::heating::await_heaters;
-use super::{Answer, Entry, MainLoop, PortSet, States, TableCommand, Wake};
+use super::{Answer, Entry, Interrupt, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::gcode::{Grammar, Nature, Part};
 
 pub(in crate::machine) const ENTRY: Entry = Entry::m("Heat and fans", &[116])
@@ -10,10 +10,10 @@ pub(in crate::machine) const ENTRY: Entry = Entry::m("Heat and fans", &[116])
     .does("", "waits for all heaters that are on")
     .examples(&[("M116", &["echo:no heaters configured"])]);
 
-pub(in crate::machine) fn carry_out<'a, P: PortSet, W: Wake>(
+pub(in crate::machine) async fn carry_out<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
-    _: &TableCommand<'a>,
-) -> Answer<'a> {
-    await_heaters(main_loop, &mut states.notices)
+    _: &TableCommand<'_>,
+) -> Result<Answer<'static>, Interrupt> {
+    await_heaters(main_loop, &mut states.notices).await
 }

@@ -8,13 +8,13 @@ use crate::connectors::{HEATERS, Heater};
 use crate::fault::Fault;
 use crate::gcode::{Number, TableCommand};
 use crate::machine::answers::answer::Answer;
-use crate::machine::answers::next_step::NextStep;
 use crate::machine::answers::reply_writer::ReplyWriter;
-use crate::machine::answers::says::Facts;
+use crate::machine::answers::words::Facts;
 use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
+use crate::machine::reports::heat_report::Temperatures;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::job::JobEnd;
 use crate::machine::state::notices::{Notice, Notices};
@@ -22,6 +22,7 @@ use crate::machine::state::waiting::Waiting;
 use crate::machine::states::{States, tell_clamps};
 use crate::port::{Storage, Wake};
 use crate::settings::{Range, ThermalSettings};
+use crate::text::Packed;
 use crate::units::Celsius;
 use core::pin::pin;
 
@@ -31,6 +32,23 @@ const UNREAD_MS: u32 = 1000;
 
 /// Interval of temperature lines in every wait.
 pub(in crate::machine) const LINE_MS: u32 = 1000;
+
+/// A line of every wait for heat: temperatures, and the seconds that are missing, if they can be told.
+pub(in crate::machine) fn report_wait(to: &mut ReplyWriter<'_>, facts: &Facts<'_>, missing: Option<u32>) {
+    let temperatures = Temperatures::of(facts);
+    match missing {
+        Some(missing) => to.say(text!(" {temperatures} W:{missing}")),
+        None => to.say(text!(" {temperatures} W:?")),
+    }
+}
+
+/// Why no target is set.
+enum NoTarget {
+    /// There is no such heater, and the answer.
+    NoHeater(Answer<'static>),
+    /// The heater must not heat.
+    Refused(Fault),
+}
 
 /// The answer to a command for a heater that is not fitted; `None` if it is.
 fn missing<P: PortSet, W: Wake>(
@@ -48,7 +66,7 @@ fn missing<P: PortSet, W: Wake>(
         Heater::Chamber => Answer::Nothing,
         Heater::Hotend | Heater::Bed if has_any => {
             let notice = if heater == Heater::Bed { Notice::NoBed } else { Notice::NoHotend };
-            if notices.give(notice) { Answer::says(say_no_heater, heater as i32) } else { Answer::Nothing }
+            if notices.give(notice) { Answer::Line(not_fitted(heater)) } else { Answer::Nothing }
         }
         Heater::Hotend | Heater::Bed if notices.give(Notice::NoHeaters) => {
             Answer::Line(packed!("echo:no heaters configured"))
@@ -59,16 +77,15 @@ fn missing<P: PortSet, W: Wake>(
 
 /// M104, M140, M141, and the first part of M109, M190, M191: true if there is a target. A target beyond the heater's
 /// range is refused: the old target stays.
-#[allow(clippy::result_large_err, reason = "the answer is what the caller returns, whichever it is")]
 fn set_target<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
     clamps: &mut Clamps,
     code: &'static str,
     (heater, target): (Heater, Option<Number>),
-) -> Result<bool, Answer<'static>> {
+) -> Result<bool, NoTarget> {
     if let Some(answer) = missing(main_loop, notices, heater) {
-        return Err(answer);
+        return Err(NoTarget::NoHeater(answer));
     }
     let Some(number) = target else { return Ok(false) };
     let range = Range { least: Celsius::ZERO, most: main_loop.settings.thermal.heater(heater).most };
@@ -77,7 +94,7 @@ fn set_target<P: PortSet, W: Wake>(
     };
     if target > Celsius::ZERO {
         if let Some(why) = main_loop.heat.refusal(heater, &main_loop.settings.thermal) {
-            return Err(Answer::NoHeat(code, why));
+            return Err(NoTarget::Refused(why));
         }
         let image = main_loop.storage.image();
         main_loop.heat.test_before_heating(&main_loop.settings.thermal, image);
@@ -94,40 +111,47 @@ fn set_target<P: PortSet, W: Wake>(
 }
 
 /// M104, M109 and those of bed and chamber. To set a target R is as good as S; with both it is S, as in Marlin.
-pub(in crate::machine) fn order_heat<P: PortSet, W: Wake>(
+pub(in crate::machine) async fn order_heat<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     States { clamps, notices, .. }: &mut States,
     command: &TableCommand<'_>,
     code: &'static str,
     (heater, waits): (Heater, bool),
-) -> Answer<'static> {
+) -> Result<Answer<'static>, Interrupt> {
     let (heats, both) = (command.number(b'S'), command.number(b'R'));
     match set_target(main_loop, notices, clamps, code, (heater, heats.or(both))) {
-        Err(Answer::NoHeat(_, why)) if waits => {
+        Err(NoTarget::NoHeater(answer)) => return Ok(answer),
+        Err(NoTarget::Refused(why)) if waits => {
             note_no_heat(main_loop, heater, why);
-            Answer::Then(NextStep::EndJob)
+            return Err(Interrupt::EndJob);
         }
-        Err(answer) => answer,
+        Err(NoTarget::Refused(why)) => {
+            tell_clamps(main_loop, clamps);
+            main_loop.say(text!("echo:{code} ignored: {why}"));
+            return Ok(Answer::Said);
+        }
         Ok(true) if waits => {
             // Report clamped values before the wait, not minutes later.
             tell_clamps(main_loop, clamps);
             let heaters = Heater::ALL.map(|other| other == heater);
-            Answer::Then(NextStep::Heat { heaters, cools: heats.is_none() })
+            apart(pin!(await_heat(main_loop, heaters, heats.is_none()))).await?;
         }
-        Ok(_) => Answer::Nothing,
+        Ok(_) => {}
     }
+    Ok(Answer::Nothing)
 }
 
 /// M116: waits for all that are on.
-pub(in crate::machine) fn await_heaters<P: PortSet, W: Wake>(
+pub(in crate::machine) async fn await_heaters<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
-) -> Answer<'static> {
+) -> Result<Answer<'static>, Interrupt> {
     if !main_loop.settings.thermal.has_heater() {
-        return missing(main_loop, notices, Heater::Hotend).unwrap_or(Answer::Nothing);
+        return Ok(missing(main_loop, notices, Heater::Hotend).unwrap_or(Answer::Nothing));
     }
     let heaters = Heater::ALL.map(|heater| main_loop.heat.target(heater) > Celsius::ZERO);
-    Answer::Then(NextStep::Heat { heaters, cools: true })
+    apart(pin!(await_heat(main_loop, heaters, true))).await?;
+    Ok(Answer::Nothing)
 }
 
 /// Waits for the first reading of heaters, for as long as a working sensor may take. A machine that was just switched
@@ -223,7 +247,7 @@ pub(in crate::machine) async fn await_heat<P: PortSet, W: Wake>(
         if now >= next_line {
             // From the last line's time and not from now, so that lines keep their rate.
             next_line = next_line.after_ms(LINE_MS);
-            main_loop.reply(Answer::Heating(missing)).await?;
+            main_loop.reply(Answer::words(&|to, facts| report_wait(to, facts, missing))).await?;
         }
         let are_hot = [0, 1, 2].map(|place| off_by(place).is_some_and(|by| by > NEAR));
         if missing == Some(0) || (cools && cooling.has_ended(are_hot, measured, now)) {
@@ -277,21 +301,21 @@ pub(in crate::machine) async fn heat_again<P: PortSet, W: Wake>(
     Ok(())
 }
 
-/// A heater that a command is for is not fitted, but others are.
-fn say_no_heater(to: &mut ReplyWriter<'_>, facts: &Facts<'_>) {
-    to.say(text!("echo:no {} configured, ignored", facts.heater()));
+/// The answer to a command for a heater that is not fitted, while others are.
+const fn not_fitted(heater: Heater) -> Packed {
+    match heater {
+        Heater::Hotend => packed!("echo:no hotend configured, ignored"),
+        Heater::Bed => packed!("echo:no bed configured, ignored"),
+        Heater::Chamber => packed!("echo:no chamber configured, ignored"),
+    }
 }
 
-/// The heater that a command for its behaviour means, if it is fitted.
-#[allow(clippy::result_large_err, reason = "the answer is what the caller returns, whichever it is")]
-pub(in crate::machine) fn model_of(
-    thermal: &ThermalSettings,
-    heater: Option<Heater>,
-) -> Result<Heater, Answer<'static>> {
+/// The heater that a command for its behaviour means, if it is fitted; otherwise the line that says so.
+pub(in crate::machine) fn model_of(thermal: &ThermalSettings, heater: Option<Heater>) -> Result<Heater, Packed> {
     match heater {
-        None => Err(Answer::Line(packed!("echo:line ignored: E is 0 (hotend), -1 (bed) or -2 (chamber)"))),
+        None => Err(packed!("echo:line ignored: E is 0 (hotend), -1 (bed) or -2 (chamber)")),
         Some(heater) if thermal.heater(heater).is_fitted => Ok(heater),
-        Some(heater) if thermal.has_heater() => Err(Answer::says(say_no_heater, heater as i32)),
-        Some(_) => Err(Answer::Line(packed!("echo:no heaters configured, ignored"))),
+        Some(heater) if thermal.has_heater() => Err(not_fitted(heater)),
+        Some(_) => Err(packed!("echo:no heaters configured, ignored")),
     }
 }

@@ -1,7 +1,7 @@
 //! SELF_TEST, and the wait for a self-test of the heaters that is under way. The one before the first heating after an
 //! update begins in `main_loop::heaters` (`test_before_heating`).
 
-use super::heating::LINE_MS;
+use super::heating::{LINE_MS, report_wait};
 use crate::machine::answers::answer::Answer;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
@@ -37,7 +37,7 @@ async fn follow_self_test<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W
     while main_loop.heat.is_testing() && !main_loop.pauses.is_over() {
         if main_loop.now() >= next_line {
             next_line = next_line.after_ms(LINE_MS);
-            main_loop.reply(Answer::Heating(None)).await?;
+            main_loop.reply(Answer::words(&|to, facts| report_wait(to, facts, None))).await?;
         }
         main_loop.poll().await?;
     }

@@ -1,14 +1,15 @@
 //! Tuning: M303 finds out how a heater behaves, and with U1 takes it over.
 
-use super::heating::{LINE_MS, await_readings, model_of};
+use super::heating::{LINE_MS, await_readings, model_of, report_wait};
 use super::self_test::await_self_test;
 use crate::connectors::Heater;
 use crate::gcode::Number;
 use crate::machine::answers::answer::Answer;
-use crate::machine::answers::next_step::TuningWords;
+use crate::machine::answers::reply_writer::ReplyWriter;
 use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
+use crate::machine::numbers::shortest;
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::waiting::Waiting;
@@ -26,6 +27,19 @@ const CYCLE_RANGE: Range<u16> = Range { least: 3, most: 20 };
 /// Closer to a room's temperature there is no oscillation.
 const LEAST_TARGET: Celsius = Celsius::const_from_int(40);
 
+/// The words of M303, M306 T.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(in crate::machine) struct TuningWords {
+    /// E: 0 the hotend, -1 the bed, -2 the chamber; `None` for another number.
+    pub heater: Option<Heater>,
+    /// S, in degrees Celsius.
+    pub target: Option<Number>,
+    /// C: swings.
+    pub cycles: Option<Number>,
+    /// U: whether to use the result.
+    pub applies: bool,
+}
+
 /// M303.
 pub(in crate::machine) async fn tune<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
@@ -35,11 +49,12 @@ pub(in crate::machine) async fn tune<P: PortSet, W: Wake>(
     let TuningWords { heater, target, cycles, applies } = *words;
     let heater = match model_of(&main_loop.settings.thermal, heater) {
         Ok(heater) => heater,
-        Err(answer) => return Ok(answer),
+        Err(line) => return Ok(Answer::Line(line)),
     };
     await_readings(main_loop, Heater::ALL.map(|other| other == heater)).await?;
     if let Some(why) = main_loop.heat.refusal(heater, &main_loop.settings.thermal) {
-        return Ok(Answer::NoHeat("M303", why));
+        main_loop.say(text!("echo:M303 ignored: {why}"));
+        return Ok(Answer::Said);
     }
     if main_loop.heat.believed(heater).is_none() {
         return Ok(Answer::Line(packed!("echo:M303 ignored: there is no reading")));
@@ -72,12 +87,27 @@ pub(in crate::machine) async fn tune<P: PortSet, W: Wake>(
     if applies {
         apply(&tuned, main_loop.heat_settings().heater_mut(heater));
     }
-    main_loop.tell(Answer::Tuned(heater, tuned));
+    main_loop.tell(|to, _| report_tuned(to, heater, &tuned));
     Ok(if applies {
         Answer::Nothing
     } else {
         Answer::Line(packed!("echo:settings are unchanged; M303 U1 uses the result"))
     })
+}
+
+/// The result. Hosts look for Marlin's words.
+fn report_tuned(to: &mut ReplyWriter<'_>, heater: Heater, tuned: &Tuned) {
+    let [p, i, d] = [tuned.p, tuned.i, tuned.d].map(|bits| shortest(Ratio::from_bits(bits)));
+    to.say(text!("PID Autotune finished!"));
+    to.say(text!(" Kp: {p} Ki: {i} Kd: {d}"));
+    let capacity = shortest(JoulesPerKelvin::from_bits(tuned.capacity));
+    let loss = shortest(WattsPerKelvin::from_bits(tuned.loss));
+    let lag = shortest(Seconds::from_bits(tuned.lag));
+    to.say(text!("echo:{}: {capacity} J/K, {loss} W/K, lag {lag} s", heater.name()));
+    if tuned.fan_loss > 0 {
+        let fan = shortest(WattsPerKelvin::from_bits(tuned.fan_loss));
+        to.say(text!("echo:{}: {fan} W/K more with the part fan", heater.name()));
+    }
 }
 
 /// Why a tuning failed, and how to continue. Hosts look for Marlin's words.
@@ -115,7 +145,7 @@ async fn await_tuning<P: PortSet, W: Wake>(
         let now = main_loop.now();
         if now >= next_line {
             next_line = next_line.after_ms(LINE_MS);
-            main_loop.reply(Answer::Heating(None)).await?;
+            main_loop.reply(Answer::words(&|to, facts| report_wait(to, facts, None))).await?;
         }
         if status.heat().periods().wrapping_sub(begun) > 2 {
             match status.heat().tuning() {

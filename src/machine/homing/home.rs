@@ -3,9 +3,9 @@
 use super::homing_axes::{HomeWords, home};
 use super::{Answer, Entry, Interrupt, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::gcode::{AxisFlags, Grammar, Nature, Number};
-use crate::machine::answers::mesh_answer::MeshAnswer;
 use crate::machine::apart::apart;
 use crate::machine::main_loop::surface::use_mesh;
+use crate::machine::reports::mesh_report::report_levelling;
 use core::pin::pin;
 
 /// With W, Prusa's G28 leaves the mesh; L0 is Marlin's word for it.
@@ -30,7 +30,7 @@ pub(in crate::machine) async fn carry_out<P: PortSet, W: Wake>(
     let drops_mesh = command.has(b'W') || command.number(b'L') == Some(Number::ZERO);
     if drops_mesh && main_loop.settings.mesh.is_on {
         use_mesh(main_loop, false).await?;
-        return Ok(Answer::Mesh(MeshAnswer::State));
+        return Ok(Answer::words(&report_levelling));
     }
     Ok(Answer::Nothing)
 }

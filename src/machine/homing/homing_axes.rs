@@ -14,11 +14,10 @@ use super::proof::prove;
 use super::shift_z::{go_to, shift_z};
 use super::switch::{home_named, stand_at, switch_of};
 use crate::gcode::AxisFlags;
-use crate::machine::answers::answer::Answer;
-use crate::machine::answers::belt_answer::BeltAnswer;
 use crate::machine::apart::apart;
 use crate::machine::belt::align::{BeltError, align, lacks_alignment};
 use crate::machine::belt::circulate::advance_belt;
+use crate::machine::belt::report::{tell_aligned, tell_not_aligned};
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::offsets::{name_home, z_reach};
@@ -252,7 +251,7 @@ async fn align_at_home<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>) 
         Ok(()) => {
             keep_findings(main_loop, true);
             note_belt_loads(main_loop).await?;
-            main_loop.tell(Answer::Belt(BeltAnswer::Aligned));
+            tell_aligned(main_loop);
             Ok(())
         }
         Err(BeltError::Interrupted(interrupt)) => Err(interrupt),
@@ -260,7 +259,7 @@ async fn align_at_home<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>) 
             if !matches!(main_loop.homed.axes(), [true, true, _]) {
                 home_both(main_loop).await?;
             }
-            main_loop.tell(Answer::Belt(BeltAnswer::NotAligned(error)));
+            tell_not_aligned(main_loop, error);
             Ok(())
         }
     }

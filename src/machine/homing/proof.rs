@@ -6,12 +6,12 @@
 
 use super::switch::touch;
 use crate::kinematics::Residuals;
-use crate::machine::answers::answer::Answer;
-use crate::machine::answers::belt_answer::{AlignError, BeltAnswer};
 use crate::machine::belt::align::{BeltError, measure_again};
+use crate::machine::belt::align_error::AlignError;
 use crate::machine::belt::diagnosis::ways_aside;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
+use crate::machine::numbers::Thousandths;
 use crate::machine::ports::PortSet;
 use crate::port::Wake;
 use crate::settings::HomedAxis;
@@ -42,7 +42,7 @@ async fn look_again<P: PortSet, W: Wake>(
     measure_again(main_loop, residuals).await?;
     let aside = touch_both(main_loop).await?;
     if is_anywhere_aside(main_loop, aside) {
-        main_loop.tell(Answer::Belt(BeltAnswer::Touched(aside)));
+        tell_touched(main_loop, aside);
         return Err(AlignError::Changed.into());
     }
     if main_loop.power.is_on(residuals.motors()) { Ok(aside) } else { Err(AlignError::Changed.into()) }
@@ -53,6 +53,21 @@ pub(in crate::machine) async fn touch_both<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
 ) -> Result<[i32; 2], Interrupt> {
     Ok([touch(main_loop, HomedAxis::X).await?, touch(main_loop, HomedAxis::Y).await?])
+}
+
+/// Tells the distance of the switches in steps from their expected positions.
+pub(in crate::machine) fn tell_touched<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>, aside: [i32; 2]) {
+    let [x, y] = lengths(main_loop, aside);
+    main_loop.say(text!("echo:the tool is off its position by X{x} Y{y} mm"));
+}
+
+/// Steps of x and y in mm.
+pub(in crate::machine) fn lengths<P: PortSet, W: Wake>(
+    main_loop: &MainLoop<'_, P, W>,
+    steps: [i32; 2],
+) -> [Thousandths; 2] {
+    let per_mm = main_loop.settings.axes.x.steps_per_mm;
+    steps.map(|steps| Thousandths(per_mm.length_of(steps.into())))
 }
 
 /// Whether a tool that is this many steps off is outside its tolerance.

@@ -16,6 +16,8 @@ use crate::machine::interrupt::Restart;
 use crate::machine::main_loop::{MainLoop, yield_once};
 use crate::machine::numbers::shortest;
 use crate::machine::ports::PortSet;
+use crate::machine::reports::firmware::report_firmware;
+use crate::machine::reports::heat_report::report_temperatures;
 use crate::port::{LINES, Wake};
 use crate::protocol::{Activity, NoRoom, Replies};
 use crate::text::Packed;
@@ -69,9 +71,9 @@ fn answer_halted(asked: Request, parse: Parse, text: &[u8]) -> Option<[Answer<'s
         Request::Command => match parse(text) {
             Command::Table(command) if command.has_mark(Mark::AnsweredWhenStopped) => {
                 if command.is('M', TEMPERATURES) {
-                    [Answer::Nothing, Answer::Temperatures]
+                    [Answer::Nothing, Answer::words_with_ok(&report_temperatures)]
                 } else {
-                    [Answer::Firmware, Answer::Ok]
+                    [Answer::words(&report_firmware), Answer::Ok]
                 }
             }
             command if is_said_on_connecting(&command) => [greeting, Answer::Ok],

@@ -16,6 +16,7 @@
 //! | this one | the owners, and a turn |
 //! | [`input`] | input of lines from hosts |
 //! | [`reply`] | output of answers, as soon as there is room for them |
+//! | [`place`] | where the program or the tool is, as hosts read it |
 //! | [`motion`] | the look-ahead, the queue to the step generator, and where the machine stands |
 //! | [`stream`] | the waits for room in the look-ahead and for the machine to rest |
 //! | [`shift_axis`] | a move of one axis that a switch or the probe may end |
@@ -45,6 +46,7 @@ pub(in crate::machine) mod limp;
 mod motion;
 pub(in crate::machine) mod offsets;
 pub(in crate::machine) mod phase;
+pub(in crate::machine) mod place;
 mod power;
 mod powering;
 pub(in crate::machine) mod regroup;

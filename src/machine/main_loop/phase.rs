@@ -17,15 +17,16 @@
 use super::trim::{preload_of, trim, trimmed};
 use crate::driver::DriverJob;
 use crate::kinematics::{Residual, Residuals};
-use crate::machine::answers::answer::Answer;
-use crate::machine::answers::belt_answer::{AlignError, BeltAnswer};
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
+use crate::machine::numbers::Thousandths;
 use crate::machine::ports::PortSet;
+use crate::machine::reports::residual_sum::ResidualSum;
 use crate::machine::state::pulleys::{Shift, TURN, difference, shift_of};
 use crate::machine::state::trimming::Found;
 use crate::port::{Motor, MotorSet, Wake};
 use crate::settings::{Belt, PHASES, Settings};
+use crate::units::Mm;
 
 /// Places of a full step.
 const FULL_STEP: i32 = TURN / 4;
@@ -134,7 +135,10 @@ pub(super) async fn align_by_phases<P: PortSet, W: Wake>(
     for (number, residual) in residuals.iter().enumerate() {
         if !is_in_phase(main_loop, number, residual).await? {
             main_loop.trimming.forget();
-            main_loop.tell(Answer::Belt(BeltAnswer::NotAligned(AlignError::Phase)));
+            main_loop.say(text!(
+                "echo:belt motors not aligned: their drivers do not count microsteps as they should (M915 aligns by \
+                load)"
+            ));
             return Ok(());
         }
     }
@@ -216,7 +220,7 @@ pub(in crate::machine) fn keep_findings<P: PortSet, W: Wake>(main_loop: &mut Mai
             main_loop.trimming.note_phase(is_kept);
         }
         if shift != Shift::None {
-            main_loop.tell(Answer::Belt(BeltAnswer::Pulley { number, by, shift, is_kept }));
+            tell_of_pulley(main_loop, residual, by, shift, is_kept);
         }
     }
 }
@@ -230,7 +234,41 @@ pub(in crate::machine) fn drop_phase<P: PortSet, W: Wake>(
     shift: Shift,
 ) {
     main_loop.settings.keep_phase(number, Belt::NO_PHASE);
-    main_loop.tell(Answer::Belt(BeltAnswer::Pulley { number, by, shift, is_kept: false }));
+    if let Some(residual) = main_loop.settings.residuals().iter().nth(number) {
+        tell_of_pulley(main_loop, residual, by, shift, false);
+    }
+}
+
+/// Tells that the phase of a residual has changed by so many 1024ths of an electrical turn.
+fn tell_of_pulley<P: PortSet, W: Wake>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    residual: &Residual,
+    by: i32,
+    shift: Shift,
+    is_kept: bool,
+) {
+    let turns = Thousandths(Mm::ONE.saturating_mul_int(by.into()) / i64::from(TURN));
+    let kept = if is_kept {
+        packed!("the new phase is used, M500 stores it")
+    } else {
+        packed!("no phase is kept (M915 finds it)")
+    };
+    main_loop.tell(|to, facts| {
+        let sum = ResidualSum(residual, facts.settings);
+        match shift {
+            Shift::Teeth(number) => {
+                let teeth = if number == 1 { "tooth" } else { "teeth" };
+                to.say(text!(
+                    "echo:phase of {sum} is off by {turns} of an electrical turn, as a jump of at least {number} \
+                    {teeth} makes it: check the belt's tension; {kept}"
+                ));
+            }
+            _ => to.say(text!(
+                "echo:phase of {sum} is off by {turns} of an electrical turn, which no jump of teeth makes: a pulley \
+                has slipped on its shaft, tighten its screw; {kept}"
+            )),
+        }
+    });
 }
 
 #[cfg(test)]

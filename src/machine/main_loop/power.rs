@@ -41,7 +41,7 @@ impl<P: PortSet> Power<P> {
     }
 
     /// The drivers, for reports.
-    pub(super) const fn drivers(&self) -> &Drivers<P::Chip> {
+    pub const fn drivers(&self) -> &Drivers<P::Chip> {
         &self.drivers
     }
 

@@ -2,6 +2,7 @@
 
 use super::{Answer, Entry, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::gcode::{Mark, Nature};
+use crate::machine::reports::firmware::report_firmware;
 
 pub(in crate::machine) const ENTRY: Entry = Entry::m("Reports and messages", &[115])
     .nature(Nature::Report)
@@ -13,5 +14,5 @@ pub(in crate::machine) fn carry_out<'a, P: PortSet, W: Wake>(
     _: &mut States,
     _: &TableCommand<'a>,
 ) -> Answer<'a> {
-    Answer::Firmware
+    Answer::words(&report_firmware)
 }

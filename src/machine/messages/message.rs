@@ -2,8 +2,8 @@
 
 use super::{Answer, Entry, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::gcode::{Mark, Nature};
-use crate::machine::answers::message::{Form, Message};
 use crate::text::{trim_end, trim_start};
+use core::fmt::{self, Write};
 
 /// Rows without a grammar: a text stands behind them.
 pub(in crate::machine) const DISPLAY: Entry = Entry::m("Reports and messages", &[117])
@@ -21,6 +21,50 @@ pub(in crate::machine) const HOSTS: Entry = Entry::m("Reports and messages", &[1
         ("M118 hi", &["hi"]),
         ("M118 ok", &["echo:ok"]),
     ]);
+
+/// How a message of M118 is dressed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Form {
+    /// As it is.
+    Plain,
+    /// E1: `echo:` in front.
+    Echo,
+    /// A1: `//` in front, for an action command to the host.
+    Action,
+}
+
+/// Forbidden beginnings of a message, in lower case: a host would take it for an answer (printcore, OctoPrint comm.py).
+const RESERVED: [&[u8]; 10] =
+    [b"ok", b"start", b"rs", b"resend", b"wait", b"error", b"fatal", b"!!", b"debug_", b"cap:"];
+
+/// A message; displayed, it is the line. A text that a host would take for an answer is an echo.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+struct Message<'a> {
+    form: Form,
+    text: &'a [u8],
+}
+
+impl fmt::Display for Message<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self.form {
+            Form::Action => "//",
+            Form::Plain if !self.is_reserved() => "",
+            Form::Plain | Form::Echo => "echo:",
+        })?;
+        match str::from_utf8(self.text) {
+            Ok(text) => f.write_str(text),
+            Err(_) => {
+                self.text.iter().try_for_each(|&byte| f.write_char(if byte.is_ascii() { byte as char } else { '?' }))
+            }
+        }
+    }
+}
+
+impl Message<'_> {
+    fn is_reserved(&self) -> bool {
+        RESERVED.iter().any(|begin| self.text.get(..begin.len()).is_some_and(|text| text.eq_ignore_ascii_case(begin)))
+    }
+}
 
 /// The receivers of a message.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -75,12 +119,17 @@ pub(in crate::machine) fn carry_out<'a, P: PortSet, W: Wake>(
             }
         }
     }
-    Answer::Message(message)
+    // Not as a text: what a host said is not unpacked.
+    main_loop.tell(|to, _| to.put(&|replies| replies.line(format_args!("{message}"))));
+    Answer::Said
 }
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
+
     use super::*;
+    use std::format;
 
     #[test]
     fn messages_and_how_they_are_dressed() {
@@ -95,5 +144,15 @@ mod tests {
         assert_eq!(read(b" A1 E1 x"), tell(Form::Action, b"x"));
         assert_eq!(read(b" A0 A12"), tell(Form::Plain, b"A12"));
         assert_eq!(read(b""), tell(Form::Plain, b""));
+    }
+    #[test]
+    fn an_answer_is_not_forged() {
+        let line = |text: &str| format!("{}", Message { form: Form::Plain, text: text.as_bytes() });
+        for text in ["ok", "OK T:20", "Start", "rs 5", "Resend: 5", "wait", "Error:x", "!! x", "DEBUG_X", "Cap:X"] {
+            assert_eq!(line(text), format!("echo:{text}"));
+        }
+        for text in ["", "o", "not ok", "//action:pause", "Layer 5"] {
+            assert_eq!(line(text), text);
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::{Answer, Entry, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::gcode::{Mark, Nature};
+use crate::machine::main_loop::place::tell_place;
 
 pub(in crate::machine) const ENTRY: Entry = Entry::m("Reports and messages", &[114])
     .nature(Nature::Report)
@@ -14,9 +15,9 @@ pub(in crate::machine) const ENTRY: Entry = Entry::m("Reports and messages", &[1
     ]);
 
 pub(in crate::machine) fn carry_out<'a, P: PortSet, W: Wake>(
-    _: &mut MainLoop<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     _: &mut States,
     command: &TableCommand<'a>,
 ) -> Answer<'a> {
-    Answer::Position { real: command.has(b'R') }
+    tell_place(main_loop, command.has(b'R'))
 }

@@ -3,13 +3,15 @@
 
 use crate::kinematics::{Mechanism, Residual, Residuals};
 use crate::machine::answers::answer::Answer;
-use crate::machine::answers::belt_answer::{BeltAnswer, Diagnosis};
+use crate::machine::answers::reply_writer::ReplyWriter;
 use crate::machine::apart::apart;
 use crate::machine::belt::align::{ApexFound, BeltError, begin_measuring, end_measuring, find_apex, leave_at};
-use crate::machine::belt::diagnosis::{Touched, diagnose, with_moved_pulley};
+use crate::machine::belt::align_error::AlignError;
+use crate::machine::belt::diagnosis::{Diagnosis, Touched, diagnose, with_moved_pulley};
 use crate::machine::belt::load_curve::{PARTS, thousandths};
+use crate::machine::belt::report::tell_not_aligned;
 use crate::machine::homing::homing_axes::home_and_align;
-use crate::machine::homing::proof::{is_anywhere_aside, prove, touch_both};
+use crate::machine::homing::proof::{is_anywhere_aside, lengths, prove, tell_touched, touch_both};
 use crate::machine::homing::shift_z::{go_to, shift_z};
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
@@ -22,6 +24,7 @@ use crate::machine::state::notices::Notices;
 use crate::machine::state::pulleys::{Shift, TURN, difference, shift_of, shows_a_tooth};
 use crate::machine::state::trimming::Trimming;
 use crate::port::{EndstopSet, Wake};
+use crate::settings::Settings;
 use crate::units::Mm;
 use core::pin::pin;
 
@@ -31,13 +34,61 @@ const LIFT: Mm = Mm::const_from_int(5);
 /// The axes of the belt.
 const BELT_AXES: [bool; 3] = [true, true, false];
 
+/// The answer on a machine without such motors.
+const NO_RESIDUAL: Answer<'static> =
+    Answer::Line(packed!("echo:no motors of this machine can pull against each other"));
+
+/// What was found, and done.
+enum Finding {
+    Diagnosis(Diagnosis),
+    /// Loads could not be measured.
+    NotAligned(AlignError),
+    /// The fault was repaired; afterwards the x and y switches were this many steps from their expected positions.
+    Repaired([i32; 2]),
+    /// It was to be set right, but something kept it from being so.
+    NotRepaired(AlignError),
+}
+
+impl Finding {
+    fn tell<P: PortSet, W: Wake>(&self, main_loop: &mut MainLoop<'_, P, W>) {
+        match *self {
+            Self::Diagnosis(diagnosis) => main_loop.tell(|to, facts| report_diagnosis(to, diagnosis, facts.settings)),
+            Self::NotAligned(why) => tell_not_aligned(main_loop, why),
+            Self::Repaired(aside) => {
+                let [x, y] = lengths(main_loop, aside);
+                main_loop.say(text!("echo:belt repaired, x and y homed; touched again: X{x} Y{y} mm"));
+            }
+            Self::NotRepaired(why) => main_loop.say(text!("echo:belt not repaired: {why}")),
+        }
+    }
+}
+
+fn report_diagnosis(to: &mut ReplyWriter<'_>, diagnosis: Diagnosis, s: &Settings) {
+    let line = match diagnosis {
+        Diagnosis::Skip { motor, full_steps } => {
+            let name = s.name_of(motor);
+            return to.say(text!("echo:motor {name} has skipped by {full_steps:+} full steps"));
+        }
+        Diagnosis::Nothing => packed!("echo:no motor has skipped"),
+        Diagnosis::Aside => packed!(
+            "echo:the belt is not strained, and no skip moves the tool so far: a switch has moved, or something drags"
+        ),
+        Diagnosis::Moved => packed!("echo:no skip strains the belt like this (M915 aligns)"),
+        Diagnosis::Alike => {
+            packed!("echo:all motors have skipped equally, or a switch has moved: the belt is not strained")
+        }
+        Diagnosis::Several => packed!("echo:more than one skip: which motors cannot be told (M915 aligns)"),
+    };
+    to.say(text!("{line}"));
+}
+
 /// M915: x and y are homed, their motors aligned, and x and y homed again.
 pub(in crate::machine) async fn align_belt<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
 ) -> Result<Answer<'static>, Interrupt> {
     if main_loop.settings.residuals().is_empty() {
-        return Ok(Answer::Belt(BeltAnswer::NoResidual));
+        return Ok(NO_RESIDUAL);
     }
     let lift = lift(main_loop).await?;
     home_and_align(main_loop, notices, BELT_AXES, true).await?;
@@ -53,56 +104,57 @@ pub(in crate::machine) async fn examine_belt<P: PortSet, W: Wake>(
 ) -> Result<Answer<'static>, Interrupt> {
     let residuals = main_loop.settings.residuals();
     if residuals.is_empty() {
-        return Ok(Answer::Belt(BeltAnswer::NoResidual));
+        return Ok(NO_RESIDUAL);
     }
     let [x, y, _] = main_loop.homed.axes();
     if !(main_loop.trimming.is_aligned() && x && y && main_loop.power.is_on(residuals.motors())) {
-        return Ok(Answer::Belt(BeltAnswer::NothingToCompare));
+        return Ok(Answer::Line(packed!("echo:nothing to compare with: align the belt motors first (M915)")));
     }
     let lift = lift(main_loop).await?;
     let place = main_loop.motion.end_mm();
     let aside = touch_both(main_loop).await?;
-    main_loop.tell(Answer::Belt(BeltAnswer::Touched(aside)));
+    tell_touched(main_loop, aside);
     // Until the check has succeeded, the position counts as unknown: M410 may end this with a motor on its way.
     let (homed, mut before) = (main_loop.homed, main_loop.trimming);
     let aside = Aside { now: aside, homed: before.homed_aside(), had_power: !before.is_by_phases() };
     main_loop.trimming.forget();
     let mechanism = main_loop.motion.groups().mechanism();
     main_loop.homed.release(residuals.motors(), mechanism);
-    let mut answer = match examine(main_loop, &residuals, &mut before, aside, repairs).await {
-        Ok(diagnosis) => BeltAnswer::Diagnosis(diagnosis),
-        Err(BeltError::Align(error)) => BeltAnswer::NotAligned(error),
+    let mut finding = match examine(main_loop, &residuals, &mut before, aside, repairs).await {
+        Ok(diagnosis) => Finding::Diagnosis(diagnosis),
+        Err(BeltError::Align(error)) => Finding::NotAligned(error),
         Err(BeltError::Interrupted(interrupt)) => return Err(interrupt),
     };
-    let is_well = matches!(answer, BeltAnswer::Diagnosis(Diagnosis::Nothing));
-    let is_known = matches!(answer, BeltAnswer::Diagnosis(_));
+    let is_well = matches!(finding, Finding::Diagnosis(Diagnosis::Nothing));
+    let is_known = matches!(finding, Finding::Diagnosis(_));
     if is_well {
         // Something may have happened while loads were measured.
         let again = touch_both(main_loop).await?;
         if is_anywhere_aside(main_loop, again) {
-            main_loop.tell(Answer::Belt(BeltAnswer::Touched(again)));
-            answer = BeltAnswer::Diagnosis(Diagnosis::Several);
+            tell_touched(main_loop, again);
+            finding = Finding::Diagnosis(Diagnosis::Several);
         } else if main_loop.power.is_on(residuals.motors()) {
             main_loop.homed.believe(&homed);
             main_loop.trimming = before;
         }
     } else if repairs && is_known {
-        main_loop.tell(Answer::Belt(answer));
+        finding.tell(main_loop);
         home_and_align(main_loop, notices, BELT_AXES, false).await?;
         let proven = apart(pin!(prove(main_loop))).await;
-        answer = match proven {
+        finding = match proven {
             Ok(aside) => {
                 keep_findings(main_loop, false);
                 note_belt_loads(main_loop).await?;
-                BeltAnswer::Repaired(aside)
+                Finding::Repaired(aside)
             }
-            Err(BeltError::Align(error)) => BeltAnswer::NotRepaired(error),
+            Err(BeltError::Align(error)) => Finding::NotRepaired(error),
             Err(BeltError::Interrupted(interrupt)) => return Err(interrupt),
         };
     }
     go_back(main_loop, place).await?;
     lower(main_loop, lift).await?;
-    Ok(Answer::Belt(answer))
+    finding.tell(main_loop);
+    Ok(Answer::Said)
 }
 
 /// Distance in steps of the x and y switches from their expected positions.
@@ -199,7 +251,9 @@ async fn examine_each<P: PortSet, W: Wake>(
         } else if matches!(found, Diagnosis::Skip { .. } | Diagnosis::Several | Diagnosis::Alike)
             && !shows_a_tooth(&main_loop.settings, residual)
         {
-            main_loop.tell(Answer::Belt(BeltAnswer::Untold));
+            main_loop.say(text!(
+                "echo:a tooth is whole electrical turns on this machine: jumped teeth cannot be told from skips"
+            ));
         }
     }
     Ok(said)

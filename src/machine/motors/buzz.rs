@@ -12,10 +12,11 @@
 
 use crate::kinematics::Residuals;
 use crate::machine::answers::answer::Answer;
-use crate::machine::answers::buzz_answer::BuzzAnswer;
+use crate::machine::answers::words::Facts;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::trim::{end_buzz, turn_alone};
+use crate::machine::numbers::Thousandths;
 use crate::machine::ports::PortSet;
 use crate::machine::state::notices::Notices;
 use crate::machine::travel::retraction::forget_retraction;
@@ -23,6 +24,7 @@ use crate::motors::{Motor, MotorName, MotorSet};
 use crate::port::Wake;
 use crate::settings::Settings;
 use crate::units::{Mm, StepRate};
+use core::fmt;
 
 /// The way of the motor, the parts of a second that it takes, the pauses in ms after going and coming back: those of
 /// Klipper, `BUZZ_DISTANCE`, `BUZZ_VELOCITY` and `cmd_STEPPER_BUZZ` (klippy/extras/force_move.py).
@@ -74,6 +76,19 @@ fn way(s: &Settings, residuals: &Residuals, motor: Motor) -> i32 {
     }
 }
 
+/// Motors by their names; `none` if there are none.
+struct Names<'s>(MotorSet, &'s Settings);
+
+impl fmt::Display for Names<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(motors, s) = self;
+        if motors.is_empty() {
+            return put!(f, " none");
+        }
+        motors.iter().try_for_each(|motor| write!(f, " {}", s.name_of(motor)))
+    }
+}
+
 /// STEPPER_BUZZ.
 pub(in crate::machine) async fn buzz<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
@@ -92,12 +107,22 @@ pub(in crate::machine) async fn buzz<P: PortSet, W: Wake>(
     };
     let (motor, free) = match (called(motor), free.map(called).transpose()) {
         (Ok(motor), Ok(free)) => (motor, free),
-        (Err(name), _) | (_, Err(name)) => return Ok(Answer::Buzz(BuzzAnswer::NoMotor(name))),
+        (Err(name), _) | (_, Err(name)) => {
+            main_loop.tell(|to, Facts { settings: s, .. }| {
+                let all = Names(s.mechanism.fitted(), s);
+                to.say(text!("echo:STEPPER_BUZZ ignored: there is no motor {name}; STEPPER= is one of{all}"));
+            });
+            return Ok(Answer::Said);
+        }
     };
     let residuals = main_loop.settings.residuals();
     let Some(Cast { held, free }) = cast(s, &residuals, motor, free) else {
         let others = residuals.to_free(motor, pair(s, motor));
-        return Ok(Answer::Buzz(BuzzAnswer::Strains(motor, others)));
+        main_loop.tell(|to, Facts { settings: s, .. }| {
+            let (name, others) = (s.name_of(motor), Names(others, s));
+            to.say(text!("echo:STEPPER_BUZZ ignored: {name} would strain its belt; FREE= is one of{others}"));
+        });
+        return Ok(Answer::Said);
     };
     let steps = way(s, &residuals, motor);
     if let Err(interrupt) = main_loop.power_for_buzz(held.with(MotorSet::of(motor))).await {
@@ -110,7 +135,12 @@ pub(in crate::machine) async fn buzz<P: PortSet, W: Wake>(
     }
     go_to_and_fro(main_loop, motor, steps).await?;
     end_buzz(main_loop);
-    Ok(Answer::Buzz(BuzzAnswer::Done { motor, steps, held, free }))
+    main_loop.tell(|to, Facts { settings: s, .. }| {
+        let (name, way) = (s.name_of(motor), Thousandths(s.steps_per_mm(motor).length_of(steps.into())));
+        let (held, free) = (Names(held, s), Names(free, s));
+        to.say(text!("echo:{name} moved {way} mm to and fro; held:{held}; free:{free}; home again"));
+    });
+    Ok(Answer::Said)
 }
 
 async fn go_to_and_fro<P: PortSet, W: Wake>(

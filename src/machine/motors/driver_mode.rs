@@ -3,7 +3,7 @@
 use super::drivers::set_drivers;
 use super::{Answer, Entry, Interrupt, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::gcode::{AxisFlags, AxisWords, Grammar, Number, Part, Verdict, Words};
-use crate::machine::answers::driver_value::DriverValue;
+use crate::machine::reports::driver_value::DriverValue;
 
 /// With P it is RepRapFirmware's, and turns a motor round.
 pub(in crate::machine) const ENTRY: Entry = Entry::m("Motors and drivers", &[569])

@@ -5,17 +5,15 @@
 //! A change reaches the drivers of motors with power within a second, in the background and without stopping the
 //! motion; the others before they get it.
 
+use super::driver_report::{report_driver_values, report_own_driver_values};
 use crate::gcode::{Absent, AxisWords, Named, Number, Part};
 use crate::machine::answers::answer::Answer;
-use crate::machine::answers::driver_value::DriverValue;
-use crate::machine::answers::reply_writer::ReplyWriter;
-use crate::machine::answers::says::Facts;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
-use crate::machine::reports::driver_report::{report_driver_values, report_own_driver_values};
+use crate::machine::reports::driver_value::DriverValue;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::modal::Modal;
-use crate::machine::states::States;
+use crate::machine::states::{States, tell_clamps};
 use crate::port::{Motor, Wake};
 use crate::settings::{DriverSettings, OwnDriver, Range, Settings, ranges};
 use crate::units::MmPerSec;
@@ -58,18 +56,25 @@ pub(in crate::machine) fn set_drivers<P: PortSet, W: Wake>(
     if let Some(driver) = driver.filter(|_| is_absent) {
         let which = driver.value().to_bits().to_le_bytes();
         let absent = Absent { command: Named::Name(code), part: Part::Driver, which: &which };
-        return if notices.give_absent(absent.key()) { Answer::NoDriver(code, driver) } else { Answer::Nothing };
+        if !notices.give_absent(absent.key()) {
+            return Answer::Nothing;
+        }
+        let part = Part::Driver.name();
+        main_loop.say(text!("echo:{code} ignored: there is no {part} {driver}"));
+        return Answer::Said;
     }
     if main_loop.power.uarts().is_empty() {
         return Answer::Line(packed!("echo:drivers are set by their jumpers"));
     }
     if is_report {
-        return Answer::says(say_all, value as i32);
+        main_loop.tell(|to, facts| report_driver_values(to, value, facts.settings));
+        return Answer::Said;
     }
     let [x, y, ..] = places;
     let are_one = words.x.is_some() && words.y.is_some() && x == y;
     if are_one && words.x != words.y {
-        return Answer::says(say_one_belt, value as i32);
+        main_loop.say(text!("echo:{code} ignored: X and Y move one belt and need the same value"));
+        return Answer::Said;
     }
     let (mut wanted, mut sets_group) = (main_loop.settings.drivers, false);
     for (axis, (place, number)) in places.into_iter().zip(asked).enumerate() {
@@ -97,21 +102,12 @@ pub(in crate::machine) fn set_drivers<P: PortSet, W: Wake>(
     main_loop.use_driver_settings(wanted);
     // Motors with their own value do not follow their group.
     let has_own = value.of_motors(&main_loop.settings).next().is_some();
-    if sets_group && has_own { Answer::says(say_own, value as i32) } else { Answer::Nothing }
-}
-
-/// The values of each axis, and of each motor that has its own.
-fn say_all(to: &mut ReplyWriter<'_>, facts: &Facts<'_>) {
-    report_driver_values(to, DriverValue::of(facts.number), facts.settings);
-}
-
-fn say_own(to: &mut ReplyWriter<'_>, facts: &Facts<'_>) {
-    report_own_driver_values(to, DriverValue::of(facts.number), facts.settings);
-}
-
-fn say_one_belt(to: &mut ReplyWriter<'_>, facts: &Facts<'_>) {
-    let code = DriverValue::of(facts.number).code();
-    to.say(text!("echo:{code} ignored: X and Y move one belt and need the same value"));
+    if !(sets_group && has_own) {
+        return Answer::Nothing;
+    }
+    tell_clamps(main_loop, clamps);
+    main_loop.tell(|to, facts| report_own_driver_values(to, value, facts.settings));
+    Answer::Said
 }
 
 /// Changes a value of a single motor if it is legal; 0 is the value of its group.

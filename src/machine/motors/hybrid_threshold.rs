@@ -3,7 +3,7 @@
 use super::drivers::set_drivers;
 use super::{Answer, Entry, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::gcode::{Grammar, Part};
-use crate::machine::answers::driver_value::DriverValue;
+use crate::machine::reports::driver_value::DriverValue;
 
 pub(in crate::machine) const ENTRY: Entry = Entry::m("Motors and drivers", &[913])
     .grammar(&Grammar::numbers(b"XYZE").parts(&[(b'I', Part::Driver), (b'T', Part::Extruder)]))

@@ -3,6 +3,7 @@
 //! | files that commands share | for |
 //! |---|---|
 //! | [`drivers`] | values of drivers: M569, M906, M913, M914 |
+//! | [`driver_report`] | their lines: M122, M569, M906, M913, M914 |
 //! | [`belt_check`] | M915 |
 //! | [`buzz`] | STEPPER_BUZZ |
 
@@ -12,6 +13,7 @@ pub(in crate::machine) mod buzz;
 pub(in crate::machine) mod diagnosis;
 pub(in crate::machine) mod driver_current;
 pub(in crate::machine) mod driver_mode;
+mod driver_report;
 pub(in crate::machine) mod drivers;
 pub(in crate::machine) mod hybrid_threshold;
 pub(in crate::machine) mod motor_power;

@@ -1,8 +1,7 @@
 //! M108, M112, M524, M876, M999: the receive path acts on them at once, whatever stands behind them.
 
-use super::{Answer, Entry, MainLoop, PortSet, States, TableCommand, Wake};
+use super::{Answer, Entry, Interrupt, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::gcode::{Mark, Nature};
-use crate::machine::answers::next_step::NextStep;
 
 const FAMILY: &str = "Jobs, pauses and waits";
 
@@ -33,10 +32,10 @@ pub(in crate::machine) const RESTART: Entry = Entry::m(FAMILY, &[999])
     .does("", "starts again after a stop")
     .examples(&[("M999", &[])]);
 
-pub(in crate::machine) fn carry_out<'a, P: PortSet, W: Wake>(
+pub(in crate::machine) async fn carry_out<P: PortSet, W: Wake>(
     _: &mut MainLoop<'_, P, W>,
     _: &mut States,
-    command: &TableCommand<'a>,
-) -> Answer<'a> {
-    if command.code() == 112 { Answer::Then(NextStep::Halt) } else { Answer::Nothing }
+    command: &TableCommand<'_>,
+) -> Result<Answer<'static>, Interrupt> {
+    if command.code() == 112 { Err(Interrupt::Halt) } else { Ok(Answer::Nothing) }
 }

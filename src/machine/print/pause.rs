@@ -93,7 +93,7 @@ pub(in crate::machine) async fn pause<P: PortSet, W: Wake>(
         return Ok(Answer::Nothing);
     }
     apart(pin!(save_and_park(main_loop, states, parks, words))).await?;
-    Ok(not_obeyed("M125", words))
+    Ok(tell_of_other(main_loop, "M125", words))
 }
 
 /// M0, M1, M600, M601: the line is kept until M108, M24, M602 or an answer comes, or for `ms`; 0 is for ever.
@@ -111,24 +111,22 @@ pub(in crate::machine) async fn await_user<P: PortSet, W: Wake>(
     if !main_loop.job.is_paused() {
         apart(pin!(save_and_park(main_loop, states, false, words))).await?;
     }
-    main_loop.tell(not_obeyed("M600", words));
+    tell_of_other(main_loop, "M600", words);
     let until: Option<Instant> = (ms > 0).then(|| main_loop.now().after_ms(ms));
     main_loop.job.line_mut().keep(Kept::User(until), &main_loop.pauses);
     Ok(Answer::Kept)
 }
 
-/// The answer to a word that is not supported: letters of M125 and M600 in Marlin 2.1 and Prusa's firmware (AUTO,
+/// Says that a word is not supported, as the answer: letters of M125 and M600 in Marlin 2.1 and Prusa's firmware (AUTO,
 /// colour, name).
-const fn not_obeyed(code: &'static str, words: &ParkWords) -> Answer<'static> {
-    match words.other {
-        Some(b'E') => Answer::NotObeyed(code, b"E"),
-        Some(b'U') => Answer::NotObeyed(code, b"U"),
-        Some(b'A') => Answer::NotObeyed(code, b"A"),
-        Some(b'C') => Answer::NotObeyed(code, b"C"),
-        Some(b'D') => Answer::NotObeyed(code, b"D"),
-        Some(b'N') => Answer::NotObeyed(code, b"N"),
-        Some(_) | None => Answer::Nothing,
-    }
+fn tell_of_other<P: PortSet, W: Wake>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    code: &'static str,
+    words: &ParkWords,
+) -> Answer<'static> {
+    let Some(other) = words.other.filter(|other| b"EUACDN".contains(other)) else { return Answer::Nothing };
+    main_loop.say(text!("echo:{code} {} is not supported by this firmware", other as char));
+    Answer::Said
 }
 
 /// A line that prints cannot be carried out for now: the host is asked to pause, and the line is kept. Nothing moves,

@@ -1,10 +1,19 @@
 //! The repeatability of a probe: mean and standard deviation of its touches at a place (M48).
 
-use crate::machine::answers::probe_answer::Spread;
 use crate::units::{Mm, whole_root};
 
 /// A millimetre in nm.
 const NM: i128 = 1_000_000;
+
+/// Mean and spread of touches.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(in crate::machine) struct Spread {
+    pub mean_nm: i64,
+    pub least: Mm,
+    pub most: Mm,
+    /// Standard deviation.
+    pub sigma_nm: u64,
+}
 
 /// Heights, each relative to the first, in nm: sums of 50 squares of some mm fit 64 bits.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]

@@ -1,17 +1,16 @@
-//! Reports of heat: temperatures (M105, M155, waits), heaters and the fault (M122), the result of a tuning (M303).
+//! Reports of heat: temperatures (M105, M155, waits), heaters and the fault (M122).
 
 use super::fan_report::report_fans;
-use super::report::Hundredths;
 use super::sensors::{Extra, ExtraReadings, extra_readings, report_extra, report_sensors, what_is_wrong};
 use crate::connectors::{HEATERS, Heater};
-use crate::fault::{Cause, Latch};
+use crate::fault::Cause;
 use crate::machine::answers::reply_writer::ReplyWriter;
-use crate::machine::numbers::shortest;
-use crate::settings::Settings;
-use crate::status::{Heat, SelfTest, Tuned};
+use crate::machine::answers::words::Facts;
+use crate::machine::numbers::Hundredths;
+use crate::status::SelfTest;
 use crate::thermal::refusal;
 use crate::thermal::sensor::Reading;
-use crate::units::{Celsius, Ratio};
+use crate::units::Celsius;
 use core::fmt;
 
 /// The letters of heaters in reports.
@@ -28,11 +27,11 @@ pub(in crate::machine) struct Temperatures {
 }
 
 impl Temperatures {
-    /// The latest readings, with the ordered targets. If `ends_test`, the Console waits for no self-test.
-    pub fn new(settings: &Settings, heat: &Heat, ends_test: bool, target: impl Fn(Heater) -> Celsius) -> Self {
-        let thermal = &settings.thermal;
+    /// The latest readings, with the ordered targets.
+    pub fn of(facts: &Facts<'_>) -> Self {
+        let (thermal, heat) = (&facts.settings.thermal, facts.status.heat());
         Self {
-            extra: extra_readings(settings, heat),
+            extra: extra_readings(facts.settings, heat),
             heaters: Heater::ALL.map(|heater| {
                 let measured = heat.measured(heater).ok_or_else(|| match heat.ailment(heater) {
                     Some(Cause::SensorOpen) => Reading::Open,
@@ -41,9 +40,9 @@ impl Temperatures {
                 });
                 let is_fitted = thermal.heater(heater).is_fitted;
                 is_fitted.then(|| {
-                    let target = target(heater);
+                    let target = facts.targets[heater as usize];
                     // Its order to go off, or the end of a self-test, is on its way.
-                    let is_test_over = ends_test && heat.self_test() == SelfTest::Testing;
+                    let is_test_over = !facts.is_testing && heat.self_test() == SelfTest::Testing;
                     let is_going_off = target <= Celsius::ZERO && (is_test_over || heat.target(heater) > Celsius::ZERO);
                     (measured, target, if is_going_off { 0 } else { heat.duty(heater) >> 9 })
                 })
@@ -77,20 +76,21 @@ impl fmt::Display for Temperatures {
     }
 }
 
+/// M105, with the `ok`.
+pub(in crate::machine) fn report_temperatures(to: &mut ReplyWriter<'_>, facts: &Facts<'_>) {
+    let temperatures = Temperatures::of(facts);
+    to.say(text!("ok {temperatures}"));
+}
+
 /// Part of M122: the fault, the heaters, the sensors.
-pub(in crate::machine) fn report_heat(
-    to: &mut ReplyWriter<'_>,
-    settings: &Settings,
-    heat: &Heat,
-    fault_latch: &Latch,
-    targets: [Celsius; HEATERS],
-) {
+pub(in crate::machine) fn report_heat(to: &mut ReplyWriter<'_>, facts: &Facts<'_>) {
+    let (settings, heat, fault_latch) = (facts.settings, facts.status.heat(), facts.status.fault());
     let thermal = &settings.thermal;
     match fault_latch.fault() {
         Some(fault) => to.say(text!("echo:fault: {fault}; {} more since", fault_latch.more())),
         None => to.say(text!("echo:fault: none")),
     }
-    for (heater, target) in Heater::ALL.into_iter().zip(targets).filter(|(h, _)| thermal.heater(*h).is_fitted) {
+    for (heater, target) in Heater::ALL.into_iter().zip(facts.targets).filter(|(h, _)| thermal.heater(*h).is_fitted) {
         let name = heater.name();
         let (target, duty) = (Hundredths::of(target), u32::from(heat.duty(heater)) * 100 / 65_535);
         match heat.measured(heater) {
@@ -107,19 +107,4 @@ pub(in crate::machine) fn report_heat(
     report_extra(to, &extra_readings(settings, heat));
     report_fans(to, settings, heat);
     report_sensors(to, heat);
-}
-
-/// M303: the result of the tuning. Hosts look for Marlin's words.
-pub(in crate::machine) fn report_tuned(to: &mut ReplyWriter<'_>, heater: Heater, tuned: &Tuned) {
-    let [p, i, d] = [tuned.p, tuned.i, tuned.d].map(|bits| shortest(Ratio::from_bits(bits)));
-    to.say(text!("PID Autotune finished!"));
-    to.say(text!(" Kp: {p} Ki: {i} Kd: {d}"));
-    let capacity = shortest(crate::units::JoulesPerKelvin::from_bits(tuned.capacity));
-    let loss = shortest(crate::units::WattsPerKelvin::from_bits(tuned.loss));
-    let lag = shortest(crate::units::Seconds::from_bits(tuned.lag));
-    to.say(text!("echo:{}: {capacity} J/K, {loss} W/K, lag {lag} s", heater.name()));
-    if tuned.fan_loss > 0 {
-        let fan = shortest(crate::units::WattsPerKelvin::from_bits(tuned.fan_loss));
-        to.say(text!("echo:{}: {fan} W/K more with the part fan", heater.name()));
-    }
 }

@@ -5,40 +5,31 @@
 use super::plain_setting::PlainSetting;
 use crate::connectors::Heater;
 use crate::machine::answers::reply_writer::ReplyWriter;
-use crate::machine::answers::setting::HeatSetting;
 use crate::machine::numbers::{rate, shortest};
 use crate::settings::{Control, FanRole, Settings, ThermalSettings};
 
-/// The line of one of them.
-pub(in crate::machine) fn report_heat_setting(
-    to: &mut ReplyWriter<'_>,
-    setting: HeatSetting,
-    thermal: &ThermalSettings,
-) {
-    match setting {
-        HeatSetting::Model(heater) => {
-            let settings = thermal.heater(heater);
-            let model = settings.model;
-            let (power, capacity, lag) =
-                (shortest(settings.power), shortest(model.capacity), shortest(model.heater_lag));
-            let [a, f] = [model.loss, model.loss.saturating_add(model.fan_loss)].map(shortest);
-            let (rate, filament) = (shortest(rate(model.sensor_lag)), shortest(thermal.filament));
-            // A BTT TFT takes the number behind E as a hotend's, whatever the number is, and writes the values after it
-            // there (MPC.c). So E of a bed or a chamber comes last.
-            let [first, last] = match heater {
-                Heater::Hotend => ["E0 ", ""],
-                Heater::Bed => ["", " E-1"],
-                Heater::Chamber => ["", " E-2"],
-            };
-            to.setting(text!("M306 {first}P{power} C{capacity} A{a} F{f} R{rate} L{lag} H{filament}{last}"));
-        }
-        HeatSetting::ColdExtrusion => to.setting(text!("M302 S{}", shortest(thermal.min_extrude))),
-        HeatSetting::ControllerFan => {
-            let fan = thermal.fans.iter().find(|fan| fan.role == FanRole::Controller);
-            let speed = fan.map_or(0, |fan| (u64::from(fan.most.to_bits()) * 255 + (1 << 15)) >> 16);
-            to.setting(text!("M710 S{speed} D{}", thermal.fan_run_on_s));
-        }
-    }
+/// M306: the line of a heater's model.
+pub(in crate::machine) fn report_model(to: &mut ReplyWriter<'_>, heater: Heater, thermal: &ThermalSettings) {
+    let settings = thermal.heater(heater);
+    let model = settings.model;
+    let (power, capacity, lag) = (shortest(settings.power), shortest(model.capacity), shortest(model.heater_lag));
+    let [a, f] = [model.loss, model.loss.saturating_add(model.fan_loss)].map(shortest);
+    let (rate, filament) = (shortest(rate(model.sensor_lag)), shortest(thermal.filament));
+    // A BTT TFT takes the number behind E as a hotend's, whatever the number is, and writes the values after it
+    // there (MPC.c). So E of a bed or a chamber comes last.
+    let [first, last] = match heater {
+        Heater::Hotend => ["E0 ", ""],
+        Heater::Bed => ["", " E-1"],
+        Heater::Chamber => ["", " E-2"],
+    };
+    to.setting(text!("M306 {first}P{power} C{capacity} A{a} F{f} R{rate} L{lag} H{filament}{last}"));
+}
+
+/// M710.
+pub(in crate::machine) fn report_controller_fan(to: &mut ReplyWriter<'_>, thermal: &ThermalSettings) {
+    let fan = thermal.fans.iter().find(|fan| fan.role == FanRole::Controller);
+    let speed = fan.map_or(0, |fan| (u64::from(fan.most.to_bits()) * 255 + (1 << 15)) >> 16);
+    to.setting(text!("M710 S{speed} D{}", thermal.fan_run_on_s));
 }
 
 /// M503, the part of heaters that are fitted.
@@ -55,19 +46,19 @@ pub(in crate::machine) fn report_heat_settings(to: &mut ReplyWriter<'_>, s: &Set
         let gains = gains.map(|code| PlainSetting { code, s });
         let is_by_model = gains.is_none() || thermal.heater(heater).control == Control::Model;
         if !is_by_model {
-            report_heat_setting(to, HeatSetting::Model(heater), thermal);
+            report_model(to, heater, thermal);
         }
         if let Some(gains) = gains {
             to.setting(text!("{gains}"));
         }
         if is_by_model {
-            report_heat_setting(to, HeatSetting::Model(heater), thermal);
+            report_model(to, heater, thermal);
         }
     }
     if thermal.heater(Heater::Hotend).is_fitted {
-        report_heat_setting(to, HeatSetting::ColdExtrusion, thermal);
+        to.setting(text!("M302 S{}", shortest(thermal.min_extrude)));
     }
     if fitted().next().is_some() {
-        report_heat_setting(to, HeatSetting::ControllerFan, thermal);
+        report_controller_fan(to, thermal);
     }
 }

@@ -1,35 +1,32 @@
-//! Reports and replies: the machine's output, on request and by itself.
-//!
-//! ```text
-//!   command ── Answer ──▶ main_loop::reply ── a report ──▶ report, driver_report, sensors, ...
-//!                                                          └── ReplyWriter: one part after the other ──▶ host
-//! ```
+//! Reports: lines that several rooms have. All other words stand in the file of their command, or of its room.
 //!
 //! | file | is for |
 //! |---|---|
-//! | `answers` | the **content** of an answer, as a value |
-//! | [`report`] and the files next to it | its **wording** |
-//! | `main_loop::reply` | words single lines, chooses the report of several, and waits for room |
+//! | [`position`], [`heat_report`], [`fan_report`] | M114, M105, M123, and the same unasked; heat in M122 |
+//! | [`sensors`] | temperature sensors: M105, M122 |
+//! | [`firmware`] | M115, which a stopped machine answers too |
+//! | [`mesh_report`] | the mesh of the bed, and whether z follows it |
+//! | [`residual_sum`] | motors that can pull against each other |
+//! | [`settings_report`] | M503 |
+//! | [`setting`], [`setting_line`], [`plain_setting`], [`heat_settings_report`], [`driver_value`] | its lines, alone too |
 //!
 //! | word | means |
 //! |---|---|
 //! | part, send | see `answers` |
 //! | reply | send all parts of an answer, waiting for room |
+//! | tell | send lines at once, into room that is kept for them |
 //! | give notice | send a message once, and not with every line that causes it |
 
-pub(in crate::machine) mod belt_report;
-pub(in crate::machine) mod buzz_report;
-pub(in crate::machine) mod driver_report;
+pub(in crate::machine) mod driver_value;
 pub(in crate::machine) mod fan_report;
+pub(in crate::machine) mod firmware;
 pub(in crate::machine) mod heat_report;
 pub(in crate::machine) mod heat_settings_report;
-pub(in crate::machine) mod machine_report;
 pub(in crate::machine) mod mesh_report;
 mod plain_setting;
-pub(in crate::machine) mod probe_report;
-pub(in crate::machine) mod report;
-pub(in crate::machine) mod resonance_report;
-pub(in crate::machine) mod screw_report;
-pub(in crate::machine) mod sensors;
+pub(in crate::machine) mod position;
+pub(in crate::machine) mod residual_sum;
+mod sensors;
+pub(in crate::machine) mod setting;
+pub(in crate::machine) mod setting_line;
 pub(in crate::machine) mod settings_report;
-pub(in crate::machine) mod storage_report;

@@ -3,8 +3,8 @@
 //! A sensor without a heater is read here, from the last sample of its input or of the processor. No guard looks at it,
 //! so a broken one stops nothing.
 
-use super::report::Hundredths;
 use crate::machine::answers::reply_writer::ReplyWriter;
+use crate::machine::numbers::Hundredths;
 use crate::port::Sensor;
 use crate::settings::{EXTRA_SENSORS, PLACES, SensorSource, Settings};
 use crate::status::Heat;

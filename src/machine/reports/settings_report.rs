@@ -3,12 +3,12 @@
 
 use super::heat_settings_report::report_heat_settings;
 use super::plain_setting::PlainSetting;
+use super::setting_line::SettingLine;
 use crate::gcode::Number;
-use crate::machine::answers::driver_value::DriverValue;
 use crate::machine::answers::reply_writer::ReplyWriter;
-use crate::machine::answers::setting::Setting;
-use crate::machine::answers::words::Words;
 use crate::machine::numbers::{SHAPERS, exact, shortest};
+use crate::machine::reports::driver_value::DriverValue;
+use crate::machine::reports::setting::Setting;
 use crate::machine::state::retraction::RetractionSettings;
 use crate::motion::advance_window;
 use crate::settings::{AxisEnd, Bed, Belt, HomedAxis, Pause, Range, Settings, Shaper, WholePlace};
@@ -26,8 +26,8 @@ pub(in crate::machine) fn report_settings(
     for setting in Setting::all() {
         report_setting(to, setting, s);
     }
-    to.setting(text!("{}", Words::of_retraction(retraction)));
-    to.setting(text!("{}", Words::of_recovery(retraction)));
+    to.setting(text!("{}", SettingLine::of_retraction(retraction)));
+    to.setting(text!("{}", SettingLine::of_recovery(retraction)));
     if has_drivers {
         report_driver_settings(to, s);
     }
@@ -83,7 +83,7 @@ pub(in crate::machine) fn report_setting(to: &mut ReplyWriter<'_>, setting: Sett
 
 /// Says the line of a command that takes a number for each axis.
 fn report_axes(to: &mut ReplyWriter<'_>, code: &'static str, values: [Number; 4]) {
-    to.setting(text!("{}", Words::of_axes(code, values)));
+    to.setting(text!("{}", SettingLine::of_axes(code, values)));
 }
 
 /// Where an axis can be: one number if it begins at 0.
@@ -220,7 +220,7 @@ fn report_own_values(to: &mut ReplyWriter<'_>, value: DriverValue, s: &Settings)
 }
 
 /// M503, a line of M593.
-pub(super) fn report_shaper(to: &mut ReplyWriter<'_>, axis: char, shaper: Shaper) {
+pub(in crate::machine) fn report_shaper(to: &mut ReplyWriter<'_>, axis: char, shaper: Shaper) {
     let (frequency, damping) = (shortest(shaper.frequency), shortest(shaper.damping));
     match SHAPERS.into_iter().position(|kind| kind == shaper.kind) {
         Some(number) => to.setting(text!("M593 {axis} F{frequency} D{damping} T{number}")),

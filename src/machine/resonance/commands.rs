@@ -1,10 +1,9 @@
 //! M955, M956, TEST_RESONANCES, SHAPER_CALIBRATE: resonances, measured by an accelerometer at the tool.
 
-use super::plan::SweepWords;
+use super::plan::{SweepAxis, SweepWords};
 use super::test::{examine_sensor, test_resonances};
 use super::{Answer, Entry, Interrupt, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::gcode::{Flaw, Grammar, Nature, Number, flaw_of_pairs};
-use crate::machine::answers::resonance_answer::SweepAxis;
 use crate::machine::apart::apart;
 use crate::text::is_word;
 use core::pin::pin;

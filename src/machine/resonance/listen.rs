@@ -3,10 +3,9 @@
 //! A sensor counts its samples by a clock of its own, some percent off. So the time of each sample comes from their
 //! number and the Console's time, slowly corrected.
 
-use super::plan::parts_of;
+use super::plan::{SweepAxis, parts_of};
 use super::response::Response;
 use crate::accelerometer::{Sample, SensorFault};
-use crate::machine::answers::resonance_answer::{RawSample, SweepAxis};
 use crate::motion::{Piece, Pieces, Sweep};
 use crate::port::Accelerometer;
 use crate::settings::{AccelerometerSettings, Cartesian};
@@ -14,6 +13,15 @@ use crate::units::{Instant, SubTicks, TICKS_PER_MS, TICKS_PER_SECOND, whole_root
 
 /// Blocks a second: up to 150 Hz the means take little of a vibration, and as much of the command.
 const BLOCKS_A_SECOND: u16 = 400;
+
+/// A sample along the machine's axes.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) struct RawSample {
+    /// Its time in us.
+    pub us: u32,
+    /// mm/s^2 along x, y, z.
+    pub axes: [i32; 3],
+}
 
 /// Samples taken at once.
 pub(super) const AT_ONCE: usize = 32;

@@ -14,6 +14,7 @@
 //! | [`response`] | power of the vibration over power of the command, by frequency |
 //! | [`modes`] | frequency and damping of its peaks |
 //! | [`choice`] | the shaper for them |
+//! | [`no_result`] | why there is none |
 //!
 //! | word | means |
 //! |---|---|
@@ -26,6 +27,7 @@ mod choice;
 pub(in crate::machine) mod commands;
 mod listen;
 mod modes;
+mod no_result;
 pub(in crate::machine) mod plan;
 mod response;
 pub(in crate::machine) mod test;

@@ -11,10 +11,20 @@
 //! square of the damping, by a third of the square of its frequency step (the variance of Hann's window).
 
 use super::response::{FREQUENCIES, Response};
-use crate::machine::answers::resonance_answer::Mode;
 use crate::motion::root;
 use core::ops::RangeInclusive;
 use heapless::Vec;
+
+/// A mode of the tool.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) struct Mode {
+    /// Hundredths of a Hz.
+    pub centihertz: u32,
+    /// Thousandths of critical damping.
+    pub damping: u16,
+    /// Thousandths by which the response differs from the mode's (root mean square).
+    pub fit_error: u16,
+}
 
 /// Most modes.
 pub(super) const MOST: usize = 2;

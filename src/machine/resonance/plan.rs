@@ -1,15 +1,42 @@
 //! Plan: the sweep that a line wants, and whether the machine can make it where the tool stands.
 
 use crate::gcode::Number;
-use crate::machine::answers::resonance_answer::{ResonanceAnswer, SweepAxis};
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
+use crate::machine::numbers::{Thousandths, shortest};
 use crate::machine::ports::PortSet;
 use crate::machine::state::clamps::Clamps;
 use crate::motion::Sweep;
 use crate::port::Wake;
 use crate::settings::{HomedAxis, Range, Settings};
 use crate::units::{Hertz, Mm, MmPerSec, MmPerSec2, Ratio, Seconds, mul_div, part_of};
+use core::fmt::{self, Display, Formatter};
+
+/// The direction of a resonance test.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub(in crate::machine) enum SweepAxis {
+    /// Along x.
+    #[default]
+    X,
+    /// Along y.
+    Y,
+    /// To the right and to the front.
+    A,
+    /// To the right and to the back.
+    B,
+}
+
+impl SweepAxis {
+    /// Its letter.
+    pub const fn name(self) -> char {
+        match self {
+            Self::X => 'X',
+            Self::Y => 'Y',
+            Self::A => 'A',
+            Self::B => 'B',
+        }
+    }
+}
 
 /// The words of TEST_RESONANCES and SHAPER_CALIBRATE.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -178,18 +205,53 @@ pub(super) async fn extremes<P: PortSet, W: Wake>(
     Ok(all)
 }
 
-/// The answer if the machine cannot make a sweep from where the tool stands.
+/// Why the machine cannot make a sweep from where the tool stands.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Refusal {
+    /// The machine's limits allow nothing.
+    TooWeak { limit: MmPerSec2 },
+    /// The swing is faster than an axis may be.
+    TooFast { speed: MmPerSec, most: MmPerSec },
+    /// The sweep would leave the space that the tool reaches.
+    NoRoom { axis: HomedAxis, least: Mm, most: Mm, reach: Range<Mm> },
+}
+
+impl Display for Refusal {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::TooWeak { limit } => {
+                let limit = shortest(limit);
+                put!(f, "the machine allows {limit} mm/s2, too little for it. Lower SWEEPING_ACCEL or FREQ_END")
+            }
+            Self::TooFast { speed, most } => {
+                let (speed, most) = (speed.to_num::<u32>(), shortest(most));
+                put!(f, "it reaches {speed} mm/s, the machine allows {most}. Lower SWEEPING_ACCEL")
+            }
+            Self::NoRoom { axis, least, most, reach } => {
+                let axis = axis.letter();
+                let [least, most, from, until] = [least, most, reach.least, reach.most].map(Thousandths);
+                put!(
+                    f,
+                    "it takes {axis} from {least} to {most}, the tool reaches {from} to {until}. Move it to the middle \
+                    first"
+                )
+            }
+        }
+    }
+}
+
+/// Whether the machine can make a sweep from where the tool stands; why not, if it cannot.
 #[inline(never)]
 pub(super) fn refusal<P: PortSet, W: Wake>(
     main_loop: &MainLoop<'_, P, W>,
     axis: SweepAxis,
     all: &Extremes,
-) -> Option<ResonanceAnswer> {
+) -> Option<Refusal> {
     let s: &Settings = &main_loop.settings;
     let most = speed_limit(s, axis);
     let speed = MmPerSec::from_bits((all.speed >> 16) as u32);
     if speed > most {
-        return Some(ResonanceAnswer::TooFast { speed, most });
+        return Some(Refusal::TooFast { speed, most });
     }
     let at = main_loop.motion.end_mm();
     for ((at, part), homed) in at.into_iter().zip(parts_of(axis)).zip([HomedAxis::X, HomedAxis::Y]) {
@@ -201,7 +263,7 @@ pub(super) fn refusal<P: PortSet, W: Wake>(
         let (least, most) = (a.min(b), a.max(b));
         let reach = s.reach(homed);
         if part != 0 && (least < reach.least || most > reach.most) {
-            return Some(ResonanceAnswer::NoRoom { axis: homed, least, most, reach });
+            return Some(Refusal::NoRoom { axis: homed, least, most, reach });
         }
     }
     None

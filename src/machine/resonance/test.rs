@@ -3,20 +3,24 @@
 //! Shaping is off only in the sweep itself; the drop of the motion behind it, after M410 as well, brings it back. A
 //! sensor that fails ends the sweep by a brake, and the tool goes back to where it was.
 
-use super::choice::Search;
-use super::listen::{AT_ONCE, Listener, MOST_NOISE};
-use super::modes::{MOST as MOST_MODES, modes, shaken};
-use super::plan::{SweepWords, extremes, refusal, wanted, weaken};
+use super::choice::{Search, Suggested};
+use super::listen::{AT_ONCE, Listener, MOST_NOISE, RawSample};
+use super::modes::{MOST as MOST_MODES, Mode, modes, shaken};
+use super::no_result::NoResult;
+use super::plan::{Refusal, SweepAxis, SweepWords, extremes, refusal, wanted, weaken};
 use super::response::{Response, step_hz};
 use crate::accelerometer::SensorFault;
 use crate::machine::answers::answer::Answer;
-use crate::machine::answers::resonance_answer::{Mode, ResonanceAnswer, SweepAxis};
+use crate::machine::answers::reply_writer::ReplyWriter;
 use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::sweep::sweep as start_sweep;
+use crate::machine::numbers::shortest;
 use crate::machine::ports::PortSet;
+use crate::machine::reports::settings_report::report_shaper;
 use crate::machine::state::clamps::Clamps;
+use crate::machine::states::tell_clamps;
 use crate::motion::{Sweep, Target};
 use crate::port::{Accelerometer, EndstopSet, Wake};
 use crate::settings::{Shaper, Shapers};
@@ -72,21 +76,26 @@ pub(in crate::machine) async fn examine_sensor<P: PortSet, W: Wake>(
 ) -> Result<Answer<'static>, Interrupt> {
     main_loop.finish().await?;
     let Some(kind) = main_loop.settings.accelerometer.kind else {
-        return Ok(Answer::Resonance(ResonanceAnswer::NoSensor));
+        return Ok(Answer::Line(packed!("echo:no accelerometer configured (accelerometer.kind)")));
     };
     let mut session = Session::new();
     let heard = hear_resting(main_loop, &mut session, samples).await;
     main_loop.accelerometer.stop();
     heard?;
-    Ok(match (session.fault, &session.listener) {
-        (Some(fault), _) => Answer::Resonance(ResonanceAnswer::Failed(kind, fault)),
-        (None, Some(listener)) if samples.is_none() => Answer::Resonance(ResonanceAnswer::Sensor {
-            kind,
-            rate: listener.rate(),
-            noise: listener.noise.deviation(),
-        }),
-        _ => Answer::Nothing,
-    })
+    match (session.fault, &session.listener) {
+        (Some(fault), _) => main_loop.say(text!("echo:{}", NoResult::Failed(kind, fault))),
+        (None, Some(listener)) if samples.is_none() => {
+            let (kind, rate, [x, y, z]) = (kind.name(), listener.rate(), listener.noise.deviation());
+            main_loop.say(text!("Accelerometer 0: {kind}, rate {rate}, noise x {x} y {y} z {z} mm/s2"));
+        }
+        _ => return Ok(Answer::Nothing),
+    }
+    Ok(Answer::Said)
+}
+
+/// Says the first line of Klipper's raw data (adxl345.py).
+fn tell_raw_head<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>) {
+    main_loop.say(text!("#time,accel_x,accel_y,accel_z"));
 }
 
 async fn hear_resting<P: PortSet, W: Wake>(
@@ -96,7 +105,7 @@ async fn hear_resting<P: PortSet, W: Wake>(
 ) -> Result<(), Interrupt> {
     hear_noise(main_loop, session, SweepAxis::X).await?;
     let Some(samples) = samples.filter(|_| session.fault.is_none()) else { return Ok(()) };
-    main_loop.tell(Answer::Resonance(ResonanceAnswer::RawHead));
+    tell_raw_head(main_loop);
     session.begin(&Sweep::NONE, main_loop.now(), true);
     apart(pin!(hear(main_loop, session, Until::Taken(samples)))).await
 }
@@ -120,15 +129,15 @@ pub(in crate::machine) async fn test_resonances<P: PortSet, W: Wake>(
     }
     let limit = sweep.brake;
     let Some(is_weaker) = weaken(&mut sweep) else {
-        return Ok(Answer::Resonance(ResonanceAnswer::TooWeak { limit }));
+        return Ok(refuse(main_loop, clamps, Refusal::TooWeak { limit }));
     };
     let extremes = extremes(main_loop, &sweep).await?;
     if let Some(refused) = refusal(main_loop, words.axis, &extremes) {
-        return Ok(Answer::Resonance(refused));
+        return Ok(refuse(main_loop, clamps, refused));
     }
     if is_weaker {
-        let weaker = ResonanceAnswer::Weaker { accel_per_hz: sweep.accel_per_hz, limit };
-        main_loop.tell(Answer::Resonance(weaker));
+        let (accel_per_hz, limit) = (shortest(sweep.accel_per_hz), shortest(limit));
+        main_loop.say(text!("echo:ACCEL_PER_HZ reduced to {accel_per_hz}: the machine allows {limit} mm/s2"));
     }
     main_loop.power_up(main_loop.motion.groups().fitted()).await?;
     let place = main_loop.motion.end_mm();
@@ -137,8 +146,10 @@ pub(in crate::machine) async fn test_resonances<P: PortSet, W: Wake>(
     main_loop.accelerometer.stop();
     let tested = tested?;
     go_back(main_loop, place).await?;
-    if let Some(answer) = tested {
-        return Ok(Answer::Resonance(answer));
+    if let Some(none) = tested {
+        tell_clamps(main_loop, clamps);
+        main_loop.say(text!("echo:{none}"));
+        return Ok(Answer::Said);
     }
     let heard = Heard::new(&session, &sweep);
     let base = shaper_of(&main_loop.settings.shapers, words.axis);
@@ -147,7 +158,39 @@ pub(in crate::machine) async fn test_resonances<P: PortSet, W: Wake>(
         main_loop.poll().await?;
     }
     let shaper = search.map(|(base, search)| search.found().suggested(base));
-    Ok(Answer::Resonance(ResonanceAnswer::Found { axis: words.axis, modes: heard.both_modes(), shaper }))
+    let modes = heard.both_modes();
+    tell_clamps(main_loop, clamps);
+    main_loop.tell(|to, _| report_found(to, words.axis.name(), modes, shaper));
+    Ok(Answer::Said)
+}
+
+/// Says why a sweep is not made, as the answer.
+fn refuse<P: PortSet, W: Wake>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    clamps: &mut Clamps,
+    why: Refusal,
+) -> Answer<'static> {
+    tell_clamps(main_loop, clamps);
+    main_loop.say(text!("echo:sweep ignored: {why}"));
+    Answer::Said
+}
+
+/// The modes, the highest peak first, and the shaper if there is to be one.
+fn report_found(to: &mut ReplyWriter<'_>, axis: char, modes: [Option<Mode>; MOST_MODES], shaper: Option<Suggested>) {
+    for Mode { centihertz, damping, fit_error } in modes.into_iter().flatten() {
+        let (hertz, rest) = (centihertz / 100, centihertz % 100);
+        to.say(text!("resonance {axis}: {hertz}.{rest:02} Hz damping 0.{damping:03} (fit error 0.{fit_error:03})"));
+    }
+    if let Some(Suggested { shaper, percent, most }) = shaper {
+        report_shaper(to, axis, shaper);
+        let most = most.to_num::<u32>();
+        to.say(text!("echo:it leaves {percent} %, at up to {most} mm/s2. Send the line to set it"));
+    }
+    match modes {
+        [None, _] => to.say(text!("echo:resonance {axis}: no peak within the sweep")),
+        [Some(_), None] => to.say(text!("echo:one mode only")),
+        [Some(_), Some(_)] => {}
+    }
 }
 
 /// What was heard of a sweep.
@@ -193,25 +236,25 @@ const fn shaper_of(shapers: &Shapers, axis: SweepAxis) -> Option<Shaper> {
     }
 }
 
-/// Sweeps the tool and listens; shaping is on again. Returns the answer if there is nothing to reckon with.
+/// Sweeps the tool and listens; shaping is on again. Returns why there is nothing to reckon with, if there is nothing.
 async fn test<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     words: &SweepWords,
     sweep: &Sweep,
     session: &mut Session,
-) -> Result<Option<ResonanceAnswer>, Interrupt> {
+) -> Result<Option<NoResult>, Interrupt> {
     let kind = main_loop.settings.accelerometer.kind;
     if let Some(kind) = kind {
         hear_noise(main_loop, session, words.axis).await?;
         if let Some(fault) = session.fault {
-            return Ok(Some(ResonanceAnswer::Failed(kind, fault)));
+            return Ok(Some(NoResult::Failed(kind, fault)));
         }
         let noise = session.listener.as_ref().map_or([0; 3], |listener| listener.noise.deviation());
         if noise.iter().any(|noise| *noise >= MOST_NOISE) {
-            return Ok(Some(ResonanceAnswer::Noisy(kind, noise)));
+            return Ok(Some(NoResult::Noisy(kind, noise)));
         }
         if words.wants_raw {
-            main_loop.tell(Answer::Resonance(ResonanceAnswer::RawHead));
+            tell_raw_head(main_loop);
         }
     }
     start_sweep(main_loop, *sweep).await?;
@@ -222,9 +265,9 @@ async fn test<P: PortSet, W: Wake>(
     }
     main_loop.drop_motion().await?;
     Ok(match (kind, session.fault) {
-        (Some(kind), Some(fault)) => Some(ResonanceAnswer::Failed(kind, fault)),
+        (Some(kind), Some(fault)) => Some(NoResult::Failed(kind, fault)),
         (Some(_), None) => None,
-        (None, _) => Some(ResonanceAnswer::Swept(words.axis)),
+        (None, _) => Some(NoResult::Swept(words.axis)),
     })
 }
 
@@ -272,8 +315,9 @@ async fn hear<P: PortSet, W: Wake>(
             session.taken += taken as u32;
             if let Some(begin) = session.told_from {
                 for place in 0..taken {
-                    let sample = listener.raw(place, taken, begin);
-                    main_loop.reply(Answer::Resonance(ResonanceAnswer::Raw(sample))).await?;
+                    let RawSample { us, axes: [x, y, z] } = listener.raw(place, taken, begin);
+                    let (seconds, us) = (us / 1_000_000, us % 1_000_000);
+                    main_loop.reply(Answer::words(&|to, _| to.say(text!("{seconds}.{us:06},{x},{y},{z}")))).await?;
                 }
             }
             if taken < AT_ONCE {

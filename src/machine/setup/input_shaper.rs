@@ -2,8 +2,9 @@
 
 use super::{Answer, Entry, Interrupt, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::gcode::{AxisFlags, Grammar, Nature, Number};
-use crate::machine::answers::setting::Setting;
 use crate::machine::numbers::SHAPERS;
+use crate::machine::reports::setting::Setting;
+use crate::machine::reports::settings_report::report_setting;
 use crate::machine::state::clamps::Clamps;
 use crate::settings::{Shaper, ShaperKind, Shapers, ranges};
 use crate::text::{Packed, is_word};
@@ -130,7 +131,7 @@ pub(in crate::machine) async fn carry_out<P: PortSet, W: Wake>(
 ) -> Result<Answer<'static>, Interrupt> {
     let words = Words::read(command);
     if words.are_a_question() {
-        return Ok(Answer::Setting(Setting::Shapers));
+        return Ok(Answer::words(&|to, facts| report_setting(to, Setting::Shapers, facts.settings)));
     }
     let mut wanted = *main_loop.settings;
     let Some(shapers) = words.change(wanted.shapers, clamps) else {

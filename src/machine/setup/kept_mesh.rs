@@ -1,8 +1,7 @@
 //! The mesh in storage: M500 keeps it beside the settings, M501 and a start take it.
 
+use super::mesh_news::News;
 use super::stored::Paced;
-use crate::machine::answers::answer::Answer;
-use crate::machine::answers::mesh_answer::MeshAnswer;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::surface::take_known_mesh;
@@ -14,9 +13,9 @@ use crate::storage::{self, MeshRejected};
 /// good. Motion rests.
 pub(in crate::machine) async fn keep_mesh<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
-) -> Result<Option<MeshAnswer>, Interrupt> {
+) -> Result<Option<News>, Interrupt> {
     if main_loop.bed.is_part() {
-        return Ok(Some(MeshAnswer::Part));
+        return Ok(Some(News::Part));
     }
     if main_loop.bed.forgets_kept() {
         return forget_kept_mesh(main_loop).await.map(Some);
@@ -30,16 +29,16 @@ pub(in crate::machine) async fn keep_mesh<P: PortSet, W: Wake>(
     Ok(Some(match kept {
         Ok(()) => {
             main_loop.bed.note_kept();
-            MeshAnswer::Kept
+            News::Kept
         }
-        Err(why) => MeshAnswer::NotKept(why),
+        Err(why) => News::NotKept(why),
     }))
 }
 
 /// Forgets the kept mesh. Motion rests.
 pub(in crate::machine) async fn forget_kept_mesh<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
-) -> Result<MeshAnswer, Interrupt> {
+) -> Result<News, Interrupt> {
     main_loop.finish().await?;
     let mut paced = Paced::new(main_loop);
     let forgotten = storage::forget_mesh(&mut paced).await;
@@ -47,9 +46,9 @@ pub(in crate::machine) async fn forget_kept_mesh<P: PortSet, W: Wake>(
     Ok(match forgotten {
         Ok(()) => {
             main_loop.bed.forget(false);
-            MeshAnswer::Forgotten
+            News::Forgotten
         }
-        Err(why) => MeshAnswer::NotKept(why.into()),
+        Err(why) => News::NotKept(why.into()),
     })
 }
 
@@ -57,7 +56,7 @@ pub(in crate::machine) async fn forget_kept_mesh<P: PortSet, W: Wake>(
 /// into force.
 pub(in crate::machine) async fn take_kept_mesh<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
-) -> Result<Option<MeshAnswer>, Interrupt> {
+) -> Result<Option<News>, Interrupt> {
     let settings = *main_loop.settings;
     let mut paced = Paced::new(main_loop);
     let found = storage::load_mesh(&mut paced, &settings).await;
@@ -74,13 +73,12 @@ pub(in crate::machine) async fn take_kept_mesh<P: PortSet, W: Wake>(
     if main_loop.bed.mesh().is_some() {
         take_known_mesh(main_loop).await?;
     }
-    Ok(rejected.map(MeshAnswer::Rejected))
+    Ok(rejected.map(News::Rejected))
 }
 
 /// The same; no news is worth a line if no mesh is to be used.
 pub(in crate::machine) async fn take_mesh_to_use<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
-) -> Result<Answer<'static>, Interrupt> {
-    let news = take_kept_mesh(main_loop).await?.filter(|_| main_loop.settings.mesh.is_on);
-    Ok(news.map_or(Answer::Nothing, Answer::Mesh))
+) -> Result<Option<News>, Interrupt> {
+    Ok(take_kept_mesh(main_loop).await?.filter(|_| main_loop.settings.mesh.is_on))
 }

@@ -9,12 +9,12 @@
 use super::stored::save;
 use super::{Answer, Entry, Interrupt, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::gcode::{Flaw, Nature, flaw_of_pairs};
-use crate::machine::answers::machine_answer::{MachineAnswer, MachineRefusal};
-use crate::machine::state::machine_pieces::{MachinePieces, PIECE};
+use crate::machine::state::machine_pieces::{MachinePieces, PIECE, PieceError};
 use crate::port::BoardFacts;
-use crate::settings::Settings;
-use crate::storage::{Receipt, machine_in, record_of};
+use crate::settings::{ConnectorError, Settings};
+use crate::storage::{Receipt, Rejected, SaveError, machine_in, record_of};
 use crate::text::read_digits;
+use core::fmt;
 
 pub(in crate::machine) const GET: Entry =
     Entry::name("Settings", &["MACHINE_GET"]).nature(Nature::Mode).does("", "the machine as a record in lines");
@@ -62,51 +62,94 @@ pub(in crate::machine) async fn carry_out<P: PortSet, W: Wake>(
     States { pieces, .. }: &mut States,
     command: &TableCommand<'_>,
 ) -> Result<Answer<'static>, Interrupt> {
-    Ok(Answer::Machine(if command.is_named("MACHINE_GET") {
+    let done = if command.is_named("MACHINE_GET") {
         match main_loop.board.refusal() {
-            Some(why) => MachineAnswer::Refused(MachineRefusal::NoMachine(why)),
-            None => report_pieces(main_loop, pieces).await?,
+            Some(why) => Err(Refusal::NoMachine(why)),
+            None => return report_pieces(main_loop, pieces).await,
         }
     } else if command.is_named("MACHINE_PUT") {
         let Ok((at, hex)) = piece(command.text()) else { return Ok(Answer::Nothing) };
         match pieces.put(at.into(), hex) {
             Ok(()) => return Ok(Answer::Nothing),
-            Err(error) => MachineAnswer::Refused(MachineRefusal::Piece(error)),
+            Err(error) => Err(Refusal::Piece(error)),
         }
     } else {
-        let stored = match machine_that_came(main_loop, pieces) {
+        match machine_that_came(main_loop, pieces) {
             Ok(machine) => store_machine(main_loop, pieces, &machine).await?,
             Err(refusal) => Err(refusal),
-        };
-        match stored {
-            Ok((receipt, counts)) => MachineAnswer::Stored(receipt, counts),
-            Err(refusal) => MachineAnswer::Refused(refusal),
         }
-    }))
+    };
+    match done {
+        Ok((receipt, counts)) => {
+            let since = if counts { packed!("in effect now") } else { packed!("in effect after the next reset") };
+            main_loop.say(text!("echo:machine stored {receipt}, {since}"));
+        }
+        Err(why) => main_loop.say(text!("echo:machine not stored: {why}")),
+    }
+    Ok(Answer::Said)
 }
 
-/// Says the pieces of the machine's record, and gives its end.
+/// Why a machine is not taken. The stored machine stays as it is.
+#[derive(Clone, Copy)]
+enum Refusal {
+    /// A piece.
+    Piece(PieceError),
+    /// The assembled bytes are no valid record, or the record is not allowed.
+    Record(Rejected),
+    /// The board lacks a connector that the record uses.
+    Connectors(ConnectorError),
+    /// The storage.
+    Storage(SaveError),
+    /// MACHINE_GET: the board is no machine, and why.
+    NoMachine(&'static str),
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Piece(PieceError::Gap(there)) => put!(f, "the next piece belongs at {there}"),
+            Self::Piece(PieceError::NoHex) => put!(f, "HEX needs two hexadecimal digits a byte"),
+            Self::Piece(PieceError::TooLong) => put!(f, "no machine is so long"),
+            Self::Record(why) => why.fmt(f),
+            Self::Connectors(error) => error.fmt(f),
+            Self::Storage(error) => error.fmt(f),
+            Self::NoMachine(why) => f.write_str(why),
+        }
+    }
+}
+
+/// Says the pieces of the machine's record, and its end.
 async fn report_pieces<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     pieces: &mut MachinePieces,
-) -> Result<MachineAnswer<'static>, Interrupt> {
+) -> Result<Answer<'static>, Interrupt> {
     let length = record_of(&main_loop.settings, pieces.begin()).unwrap_or_default();
     pieces.end(length);
     let mut at = 0;
     while let Some(piece) = pieces.piece(at) {
-        main_loop.reply(Answer::Machine(MachineAnswer::Piece(at, piece))).await?;
+        main_loop.reply(Answer::words(&|to, _| to.say(text!("machine AT={at} HEX={}", Hex(piece))))).await?;
         at += PIECE;
     }
-    Ok(MachineAnswer::End(length))
+    main_loop.say(text!("machine END={length}"));
+    Ok(Answer::Said)
+}
+
+/// Bytes as two digits each.
+struct Hex<'a>(&'a [u8]);
+
+impl fmt::Display for Hex<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
+    }
 }
 
 /// The machine assembled from pieces, if it fits this board.
 fn machine_that_came<P: PortSet, W: Wake>(
     main_loop: &MainLoop<'_, P, W>,
     pieces: &MachinePieces,
-) -> Result<Settings, MachineRefusal> {
-    let machine = machine_in(pieces.record()).map_err(MachineRefusal::Record)?;
-    machine.check_connectors(main_loop.board.connectors()).map_err(MachineRefusal::Connectors)?;
+) -> Result<Settings, Refusal> {
+    let machine = machine_in(pieces.record()).map_err(Refusal::Record)?;
+    machine.check_connectors(main_loop.board.connectors()).map_err(Refusal::Connectors)?;
     Ok(machine)
 }
 
@@ -115,10 +158,10 @@ async fn store_machine<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     pieces: &mut MachinePieces,
     machine: &Settings,
-) -> Result<Result<(Receipt, bool), MachineRefusal>, Interrupt> {
+) -> Result<Result<(Receipt, bool), Refusal>, Interrupt> {
     let receipt = match save(main_loop, machine, pieces.begin()).await? {
         Ok(receipt) => receipt,
-        Err(error) => return Ok(Err(MachineRefusal::Storage(error))),
+        Err(error) => return Ok(Err(Refusal::Storage(error))),
     };
     let counts = machine.is_built_as(&main_loop.settings) && main_loop.board.refusal().is_none();
     pieces.is_stored = !counts;

@@ -5,18 +5,22 @@ use super::plain_words::PlainWords;
 use super::rules::{Ending, Rule};
 use crate::gcode::{Number, TableCommand};
 use crate::machine::answers::answer::Answer;
-use crate::machine::answers::setting::Setting;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::offsets::use_home_offsets;
 use crate::machine::ports::PortSet;
+use crate::machine::reports::setting::Setting;
+use crate::machine::reports::settings_report::report_setting;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::modal::Modal;
-use crate::machine::states::States;
+use crate::machine::states::{States, tell_clamps};
 use crate::port::Wake;
 use crate::settings::Settings;
 use crate::settings::plain::{Owner, condition};
 use crate::settings::rows::Value;
+
+/// M113: the time between two busy messages.
+const KEEPALIVE: u16 = 113;
 
 /// All values of a line if each is legal, otherwise none; without values a report.
 pub(in crate::machine) async fn set_plain<P: PortSet, W: Wake>(
@@ -27,23 +31,33 @@ pub(in crate::machine) async fn set_plain<P: PortSet, W: Wake>(
     let States { modal, clamps, notices, .. } = states;
     let words = &PlainWords::read(command);
     let (owner, rule) = (condition(words.code).owner, Rule::of(words.code));
-    if let Some(answer) = (rule.refuses)(&main_loop.settings) {
-        return Ok(answer);
+    if let Some(line) = (rule.refuses)(&main_loop.settings) {
+        return Ok(Answer::Line(line));
     }
     if owner != Owner::Motors {
         // The open line ends, whether values are legal or not.
         main_loop.live_settings();
     }
     if words.numbers.iter().all(Option::is_none) {
-        return Ok(Answer::Setting(Setting::Plain(words.code)));
+        let code = words.code;
+        main_loop.tell(|to, facts| match code {
+            // Marlin's words, which are no line of M503 (M113.cpp).
+            KEEPALIVE => to.say(text!("echo:M113 S{}", facts.settings.keepalive_s)),
+            code => report_setting(to, Setting::Plain(code), facts.settings),
+        });
+        return Ok(Answer::Said);
     }
     let Some(mut wanted) = with_values(&main_loop.settings, words, &rule, modal, clamps) else {
         return Ok(Answer::Nothing);
     };
     match (rule.ends)(words, &mut wanted, notices) {
         Ending::Done => {}
-        Ending::Remark(remark) => main_loop.tell(remark),
-        Ending::Refusal(refusal) => return Ok(refusal),
+        Ending::Remark(remark) => main_loop.say(text!("{remark}")),
+        Ending::Refusal(refusal) => {
+            tell_clamps(main_loop, clamps);
+            main_loop.say(text!("{refusal}"));
+            return Ok(Answer::Said);
+        }
     }
     match owner {
         Owner::Readers => main_loop.live_settings().set_plain(&wanted),

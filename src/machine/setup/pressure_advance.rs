@@ -3,7 +3,7 @@
 use super::{Answer, Entry, Interrupt, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::gcode::{Flaw, Grammar, Nature, Number, Part, Words, absent_extruder, flaw_of_pairs, times_ten_to};
 use crate::machine::answers::reply_writer::ReplyWriter;
-use crate::machine::answers::says::Facts;
+use crate::machine::answers::words::Facts;
 use crate::machine::numbers::shortest;
 use crate::machine::state::clamps::Clamps;
 use crate::motion::advance_window;
@@ -84,7 +84,7 @@ pub(in crate::machine) async fn carry_out<P: PortSet, W: Wake>(
 ) -> Result<Answer<'static>, Interrupt> {
     let [time, window] = words(command);
     if time.or(window).is_none() {
-        return Ok(Answer::says(say_advance, 0));
+        return Ok(Answer::words(&say_advance));
     }
     let advance = wanted_advance(time, window, &main_loop.settings, clamps);
     if !clamps.refuses_line() {

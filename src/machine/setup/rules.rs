@@ -6,20 +6,19 @@
 use super::plain_words::PlainWords;
 use crate::connectors::Heater;
 use crate::gcode::Number;
-use crate::machine::answers::answer::Answer;
-use crate::machine::answers::reply_writer::ReplyWriter;
-use crate::machine::answers::says::Facts;
 use crate::machine::heat::heating::model_of;
 use crate::machine::state::clamps::Clamps;
 use crate::machine::state::modal::Modal;
 use crate::machine::state::notices::{Notice, Notices};
 use crate::settings::rows::Legal;
 use crate::settings::{Control, CornerRule, Settings, ranges};
+use crate::text::Packed;
 use crate::units::MmPerSec;
+use core::fmt::{self, Display, Formatter};
 use fixed::types::I32F32;
 
 /// What a line can be answered before its values are read, if it is not carried out.
-type Refuses = fn(&Settings) -> Option<Answer<'static>>;
+type Refuses = fn(&Settings) -> Option<Packed>;
 
 /// The legal values of a part, from those of its row.
 type LegalValues = fn(&Settings, usize, Legal) -> Legal;
@@ -35,9 +34,33 @@ pub(in crate::machine) enum Ending {
     /// The values count.
     Done,
     /// They count, and the host gets a remark.
-    Remark(Answer<'static>),
+    Remark(Remark),
     /// They do not count.
-    Refusal(Answer<'static>),
+    Refusal(Remark),
+}
+
+/// What the host gets to know.
+#[derive(Clone, Copy)]
+pub(in crate::machine) enum Remark {
+    /// M92 would give axes that share motors different steps.
+    SharedMotors(&'static str),
+    /// M92 has lowered speeds.
+    Lowered,
+    /// M205: some words do not count.
+    Corners,
+}
+
+impl Display for Remark {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::SharedMotors(axes) => put!(f, "echo:M92 ignored: {axes} share motors and need the same value"),
+            Self::Lowered => {
+                let most = ranges::STEP_RATE.whole();
+                put!(f, "echo:M92 lowered speed limits, a motor steps {most} times a second at most")
+            }
+            Self::Corners => put!(f, "echo:M205: one value for X and Y, the lesser, or J instead; B is not used"),
+        }
+    }
 }
 
 /// The rule of a code.
@@ -93,7 +116,7 @@ fn resolution_of_motors(s: &Settings, axis: usize, legal: Legal) -> Legal {
 /// limited.
 fn check_resolutions(_: &PlainWords, s: &mut Settings, _: &mut Notices) -> Ending {
     if let Err(axes) = s.check_shared_motors() {
-        return Ending::Refusal(Answer::SharedMotors(axes));
+        return Ending::Refusal(Remark::SharedMotors(axes));
     }
     let mut is_lowered = false;
     let mut lower = |speed: &mut MmPerSec, most: MmPerSec| {
@@ -110,12 +133,7 @@ fn check_resolutions(_: &PlainWords, s: &mut Settings, _: &mut Notices) -> Endin
             lower(&mut s.motor_max_speed, most);
         }
     }
-    if is_lowered { Ending::Remark(Answer::says(say_lowered, 0)) } else { Ending::Done }
-}
-
-fn say_lowered(to: &mut ReplyWriter<'_>, _: &Facts<'_>) {
-    let most = ranges::STEP_RATE.whole();
-    to.say(text!("echo:M92 lowered speed limits, a motor steps {most} times a second at most"));
+    if is_lowered { Ending::Remark(Remark::Lowered) } else { Ending::Done }
 }
 
 /// M205: J sets junction deviation. A jerk of X or Y without J is a square-corner velocity, because a corner of 90
@@ -151,7 +169,7 @@ fn remark_on_corners(words: &PlainWords, s: &mut Settings, notices: &mut Notices
     if !(is_doubtful || min_segment.is_some()) || !notices.give(Notice::Corners) {
         return Ending::Done;
     }
-    Ending::Remark(Answer::Line(packed!("echo:M205: one value for X and Y, the lesser, or J instead; B is not used")))
+    Ending::Remark(Remark::Corners)
 }
 
 /// M301: a gain selects PID, as a number of M306 selects the model.

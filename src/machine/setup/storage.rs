@@ -22,21 +22,25 @@ pub(in crate::machine) async fn carry_out<P: PortSet, W: Wake>(
     States { pieces, .. }: &mut States,
     command: &TableCommand<'_>,
 ) -> Result<Answer<'static>, Interrupt> {
-    let news = match command.code() {
+    match command.code() {
         500 => {
             if let Some(news) = keep_mesh(main_loop).await? {
-                main_loop.tell(Answer::Mesh(news));
+                main_loop.say(text!("{news}"));
             }
-            save_settings(main_loop, pieces).await?
+            save_settings(main_loop, pieces).await
         }
         501 => {
-            let news = load_settings(main_loop, pieces).await?;
-            let mesh = take_mesh_to_use(main_loop).await?;
-            main_loop.tell(mesh);
-            news
+            let loaded = load_settings(main_loop, pieces).await?;
+            if let Some(news) = take_mesh_to_use(main_loop).await? {
+                main_loop.say(text!("{news}"));
+            }
+            match loaded {
+                Ok(found) => main_loop.tell(|to, _| found.report_loaded(to)),
+                Err(why) => main_loop.say(text!("echo:Settings unchanged: {why}")),
+            }
+            Ok(Answer::Said)
         }
-        502 => reset_settings(main_loop).await?,
-        _ => check_storage(main_loop, pieces).await?,
-    };
-    Ok(Answer::Storage(news))
+        502 => reset_settings(main_loop).await,
+        _ => check_storage(main_loop, pieces).await,
+    }
 }

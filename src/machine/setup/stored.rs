@@ -1,9 +1,9 @@
 //! Stored settings: M500, M501, M502, M504, and the record of a passed self-test. Stored settings take effect at the
 //! start.
 
+use super::mesh_news::News;
 use crate::machine::answers::answer::Answer;
-use crate::machine::answers::mesh_answer::MeshAnswer;
-use crate::machine::answers::storage_news::StorageNews;
+use crate::machine::answers::reply_writer::ReplyWriter;
 use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
@@ -12,8 +12,10 @@ use crate::machine::state::machine_pieces::MachinePieces;
 use crate::machine::states::States;
 use crate::port::{BoardFacts, Storage, StorageError, Wake};
 use crate::settings::Settings;
-use crate::storage::{self, LONGEST, MeshFate, Receipt, SaveError, Survey};
+use crate::storage::{self, LONGEST, MeshFate, Receipt, Rejected, SaveError, Slot, Survey};
+use crate::text::Packed;
 use crate::units::Mm;
+use core::fmt::{self, Display, Formatter};
 use core::pin::pin;
 
 /// The storage, with one turn of the main loop after every transfer, so that M112 acts while settings are being saved.
@@ -85,19 +87,85 @@ async fn survey<P: PortSet, W: Wake>(
     Ok(survey)
 }
 
+/// What was found of stored settings.
+#[derive(Clone, Copy)]
+pub(in crate::machine) struct Found {
+    /// Why the content of a slot is not used.
+    rejected: [(Slot, Option<Rejected>); 2],
+    receipt: Option<Receipt>,
+    /// The first ids in them that this firmware does not know; 0 is none.
+    unknown: [u16; 4],
+}
+
+impl Found {
+    fn new(survey: &Survey) -> Self {
+        let (receipt, unknown) = match &survey.newest {
+            Some(stored) => (Some(stored.receipt), stored.unknown.first_ids()),
+            None => (None, [0; 4]),
+        };
+        Self { rejected: survey.rejected, receipt, unknown }
+    }
+
+    /// These settings were taken, or the defaults if there is no receipt.
+    pub fn report_loaded(&self, to: &mut ReplyWriter<'_>) {
+        self.report_unused(to);
+        match self.receipt {
+            Some(receipt) => to.say(text!("echo:stored settings retrieved {receipt}")),
+            None => to.say(text!("{DEFAULTS}")),
+        }
+    }
+
+    /// They were looked at.
+    fn report_checked(&self, to: &mut ReplyWriter<'_>) {
+        self.report_unused(to);
+        match self.receipt {
+            Some(receipt) => to.say(text!("echo:stored settings valid {receipt}")),
+            None => to.say(text!("echo:no valid settings stored")),
+        }
+    }
+
+    /// Names the slots with unused content, but no empty one, and stored settings that this firmware does not have.
+    fn report_unused(&self, to: &mut ReplyWriter<'_>) {
+        for (slot, why) in self.rejected {
+            if let Some(why) = why.filter(|why| *why != Rejected::Blank) {
+                to.say(text!("echo:storage slot {slot} not used: {why}"));
+            }
+        }
+        for id in self.unknown.into_iter().filter(|id| *id > 0) {
+            to.say(text!("echo:stored setting {id} is of later firmware: kept, not used"));
+        }
+    }
+}
+
+const DEFAULTS: Packed = packed!("echo:Hardcoded Default Settings Loaded");
+
+/// What a start has found: settings, or that the storage does not answer.
+pub(in crate::machine) type AtStart = Result<Found, StorageError>;
+
+/// Says what a start has found.
+pub(in crate::machine) fn report_start(to: &mut ReplyWriter<'_>, found: &AtStart) {
+    match found {
+        Ok(found) => found.report_loaded(to),
+        Err(error) => {
+            to.say(text!("echo:{error}"));
+            to.say(text!("{DEFAULTS}"));
+        }
+    }
+}
+
 /// Loads the stored settings, before the first `start`, and returns the news to send after it: a host listens only
 /// then. A machine without storage has no news, and on a board without a machine no stored settings count.
 pub(in crate::machine) async fn load_at_start<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
-) -> Result<Answer<'static>, Interrupt> {
+) -> Result<Option<AtStart>, Interrupt> {
     let survey = match survey(main_loop, states.pieces.begin()).await? {
         Ok(survey) => survey,
-        Err(StorageError::Absent) => return Ok(Answer::Nothing),
-        Err(error) => return Ok(Answer::Storage(StorageNews::Unreadable(error))),
+        Err(StorageError::Absent) => return Ok(None),
+        Err(error) => return Ok(Some(Err(error))),
     };
     if main_loop.board.refusal().is_some() {
-        return Ok(Answer::Nothing);
+        return Ok(None);
     }
     if let Some(stored) = &survey.newest {
         main_loop.use_settings(&stored.settings).await?;
@@ -112,7 +180,7 @@ pub(in crate::machine) async fn load_at_start<P: PortSet, W: Wake>(
     let loads = storage::belt_loads(&mut paced).await;
     paced.into_result()?;
     main_loop.trimming.know_loads(loads.unwrap_or_default());
-    Ok(Answer::Storage(StorageNews::loaded(&survey)))
+    Ok(Some(Ok(Found::new(&survey))))
 }
 
 /// Notes the self-test that was passed, for starts to come.
@@ -141,15 +209,22 @@ pub(in crate::machine) async fn note_belt_loads<P: PortSet, W: Wake>(
 pub(in crate::machine) async fn save_settings<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     pieces: &mut MachinePieces,
-) -> Result<StorageNews, Interrupt> {
+) -> Result<Answer<'static>, Interrupt> {
     if pieces.is_stored {
-        return Ok(StorageNews::MachineWaits);
+        return Ok(Answer::Line(packed!(
+            "echo:Settings not stored: a new machine is stored, which takes effect after the next reset"
+        )));
     }
     if let Some(why) = main_loop.board.refusal() {
-        return Ok(StorageNews::NoMachine(why));
+        main_loop.say(text!("echo:Settings not stored: {why}"));
+        return Ok(Answer::Said);
     }
     let settings = *main_loop.settings;
-    Ok(save(main_loop, &settings, pieces.begin()).await?.map_or_else(StorageNews::NotSaved, StorageNews::Saved))
+    match save(main_loop, &settings, pieces.begin()).await? {
+        Ok(receipt) => main_loop.say(text!("echo:Settings Stored {receipt}")),
+        Err(why) => main_loop.say(text!("echo:Settings not stored: {why}")),
+    }
+    Ok(Answer::Said)
 }
 
 /// Stores settings, in a place for a record. The machine is at rest: storage may be flash, and erasing flash stops the
@@ -190,12 +265,28 @@ async fn take_mesh_along<P: PortSet, W: Wake>(
     let news = match fate {
         Ok(MeshFate::Stays) => return Ok(()),
         Ok(MeshFate::Moves(by)) if by == [Mm::ZERO; 2] => return Ok(()),
-        Ok(MeshFate::Moves(by)) => MeshAnswer::Moved(by),
-        Ok(MeshFate::Ends) => MeshAnswer::Ends,
-        Err(why) => MeshAnswer::NotKept(why),
+        Ok(MeshFate::Moves(by)) => News::Moved(by),
+        Ok(MeshFate::Ends) => News::Ends,
+        Err(why) => News::NotKept(why),
     };
-    main_loop.tell(Answer::Mesh(news));
+    main_loop.say(text!("{news}"));
     Ok(())
+}
+
+/// Why M501 changes nothing.
+pub(in crate::machine) enum Unchanged {
+    /// The board has no machine, and why.
+    NoMachine(&'static str),
+    Storage(StorageError),
+}
+
+impl Display for Unchanged {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoMachine(why) => f.write_str(why),
+            Self::Storage(error) => error.fmt(f),
+        }
+    }
 }
 
 /// M501. Storage without valid settings gives the defaults, storage that does not answer changes nothing; nor does a
@@ -203,37 +294,41 @@ async fn take_mesh_along<P: PortSet, W: Wake>(
 pub(in crate::machine) async fn load_settings<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     pieces: &mut MachinePieces,
-) -> Result<StorageNews, Interrupt> {
+) -> Result<Result<Found, Unchanged>, Interrupt> {
     if let Some(why) = main_loop.board.refusal() {
-        return Ok(StorageNews::NotLoaded(why));
+        return Ok(Err(Unchanged::NoMachine(why)));
     }
     main_loop.finish().await?;
     let survey = match survey(main_loop, pieces.begin()).await? {
         Ok(survey) => survey,
-        Err(error) => return Ok(StorageNews::Unchanged(error)),
+        Err(error) => return Ok(Err(Unchanged::Storage(error))),
     };
     let settings = survey.newest.as_ref().map_or(main_loop.settings.defaults(), |stored| &stored.settings);
     main_loop.use_settings(settings).await?;
     main_loop.first_layer.note_stored(&main_loop.settings);
-    Ok(StorageNews::loaded(&survey))
+    Ok(Ok(Found::new(&survey)))
 }
 
 /// M502.
 pub(in crate::machine) async fn reset_settings<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
-) -> Result<StorageNews, Interrupt> {
+) -> Result<Answer<'static>, Interrupt> {
     main_loop.finish().await?;
     main_loop.use_settings(main_loop.settings.defaults()).await?;
-    Ok(StorageNews::Defaults)
+    Ok(Answer::Line(DEFAULTS))
 }
 
 /// M504.
 pub(in crate::machine) async fn check_storage<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     pieces: &mut MachinePieces,
-) -> Result<StorageNews, Interrupt> {
-    Ok(match survey(main_loop, pieces.begin()).await? {
-        Ok(survey) => StorageNews::checked(&survey),
-        Err(error) => StorageNews::Unanswered(error),
-    })
+) -> Result<Answer<'static>, Interrupt> {
+    match survey(main_loop, pieces.begin()).await? {
+        Ok(survey) => {
+            let found = Found::new(&survey);
+            main_loop.tell(|to, _| found.report_checked(to));
+        }
+        Err(error) => main_loop.say(text!("echo:{error}")),
+    }
+    Ok(Answer::Said)
 }

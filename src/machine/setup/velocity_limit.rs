@@ -2,7 +2,8 @@
 
 use super::{Answer, Entry, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::gcode::{Flaw, Nature, Number, flaw_of_pairs};
-use crate::machine::answers::setting::Setting;
+use crate::machine::reports::setting::Setting;
+use crate::machine::reports::settings_report::report_setting;
 use crate::machine::state::program::Dynamics;
 use crate::settings::{CornerRule, Range, ranges};
 use crate::units::{MmPerSec2, Ratio, mul_div};
@@ -74,7 +75,7 @@ pub(in crate::machine) fn carry_out<'a, P: PortSet, W: Wake>(
     let words = Words::read(command.text()).unwrap_or_default();
     let mut s = main_loop.live_settings();
     if words == Words::default() {
-        return Answer::Setting(Setting::VelocityLimit);
+        return Answer::words(&|to, facts| report_setting(to, Setting::VelocityLimit, facts.settings));
     }
     let mut dynamics = Dynamics::of(&s);
     let [mut acceleration, retract, travel] = dynamics.accelerations;

@@ -1,7 +1,7 @@
 //! C in G0 and G1: the belt circulates, with the tool at rest or moving in x and y.
 
 use super::moves::{Moves, moving};
-use crate::gcode::{AxisWords, Flaw, Number};
+use crate::gcode::{AxisWords, Number};
 use crate::machine::answers::answer::Answer;
 use crate::machine::apart::apart;
 use crate::machine::belt::circulate::run_round;
@@ -23,7 +23,7 @@ impl<P: PortSet, W: Wake> Moves<'_, '_, P, W> {
         feed: Option<Number>,
     ) -> Result<Answer<'static>, Interrupt> {
         if !self.main_loop.settings.belt.is_closed {
-            return Ok(Answer::Malformed(Flaw::NoAxis(b'C')));
+            return Ok(Answer::Line(packed!("echo:line ignored: there is no axis C")));
         }
         if to.z.is_some() || to.e.is_some() {
             return Ok(Answer::Line(packed!("echo:line ignored: C goes with X, Y and F alone")));

@@ -1,8 +1,7 @@
 //! G4: waits after the motion so far; M108 ends it.
 
-use super::{Answer, Entry, MainLoop, PortSet, States, TableCommand, Wake};
+use super::{Answer, Entry, Interrupt, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::gcode::{Grammar, Mark, Nature, Number};
-use crate::machine::answers::next_step::NextStep;
 
 pub(in crate::machine) const ENTRY: Entry = Entry::g("Motion", &[4])
     .nature(Nature::Move)
@@ -18,13 +17,14 @@ fn wait_ms(command: &TableCommand<'_>) -> u32 {
     sum.min(Number::LIMIT as u64) as u32
 }
 
-pub(in crate::machine) fn carry_out<'a, P: PortSet, W: Wake>(
-    _: &mut MainLoop<'_, P, W>,
+pub(in crate::machine) async fn carry_out<P: PortSet, W: Wake>(
+    main_loop: &mut MainLoop<'_, P, W>,
     _: &mut States,
-    command: &TableCommand<'a>,
-) -> Answer<'a> {
-    match wait_ms(command) {
-        0 => Answer::Nothing,
-        ms => Answer::Then(NextStep::LetPass(ms)),
+    command: &TableCommand<'_>,
+) -> Result<Answer<'static>, Interrupt> {
+    let ms = wait_ms(command);
+    if ms > 0 {
+        main_loop.let_pass(ms).await?;
     }
+    Ok(Answer::Nothing)
 }

@@ -1,8 +1,7 @@
 //! M220: the feed override in percent.
 
-use super::{Answer, Entry, MainLoop, PortSet, States, TableCommand, Wake};
+use super::{Answer, Entry, Interrupt, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::gcode::{Grammar, Mark, Nature};
-use crate::machine::answers::next_step::NextStep;
 use crate::machine::state::modal::PERCENT;
 
 /// B and R stand alone in practice; with either of them S is ignored.
@@ -19,20 +18,22 @@ pub(in crate::machine) const ENTRY: Entry = Entry::m("Motion", &[220])
         ("M220 S5", &["echo:M220 S5 is out of range, set to 10"]),
     ]);
 
-pub(in crate::machine) fn carry_out<'a, P: PortSet, W: Wake>(
+pub(in crate::machine) async fn carry_out<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     States { modal, clamps, .. }: &mut States,
-    command: &TableCommand<'a>,
-) -> Answer<'a> {
+    command: &TableCommand<'_>,
+) -> Result<Answer<'static>, Interrupt> {
     if command.has(b'B') {
         modal.kept_feed_percent = main_loop.motion.feed_percent();
-        Answer::Nothing
     } else if command.has(b'R') {
-        Answer::Then(NextStep::Feed(modal.kept_feed_percent))
+        main_loop.override_feed(modal.kept_feed_percent).await?;
     } else if let Some(number) = command.number(b'S') {
-        let percent = clamps.whole_of(["M220", "S"], number, PERCENT, None);
-        percent.map_or(Answer::Nothing, |percent| Answer::Then(NextStep::Feed(percent)))
+        if let Some(percent) = clamps.whole_of(["M220", "S"], number, PERCENT, None) {
+            main_loop.override_feed(percent).await?;
+        }
     } else {
-        Answer::says(|to, facts| to.say(text!("FR:{}%", facts.number)), i32::from(main_loop.motion.feed_percent()))
+        main_loop.say(text!("FR:{}%", main_loop.motion.feed_percent()));
+        return Ok(Answer::Said);
     }
+    Ok(Answer::Nothing)
 }

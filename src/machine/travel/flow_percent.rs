@@ -24,7 +24,7 @@ pub(in crate::machine) const ENTRY: Entry = Entry::m("Motion", &[221])
     ]);
 
 pub(in crate::machine) fn carry_out<'a, P: PortSet, W: Wake>(
-    _: &mut MainLoop<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     States { modal, clamps, .. }: &mut States,
     command: &TableCommand<'a>,
 ) -> Answer<'a> {
@@ -34,7 +34,8 @@ pub(in crate::machine) fn carry_out<'a, P: PortSet, W: Wake>(
             Answer::Nothing
         }
         None => {
-            Answer::says(|to, facts| to.say(text!("echo:E0 Flow: {}%", facts.number)), i32::from(modal.flow_percent))
+            main_loop.say(text!("echo:E0 Flow: {}%", modal.flow_percent));
+            Answer::Said
         }
     }
 }

@@ -4,6 +4,7 @@
 use super::{Answer, Entry, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::gcode::{Grammar, Nature};
 use crate::machine::main_loop::offsets::use_home_offsets;
+use crate::machine::main_loop::place::tell_place;
 use crate::settings::{AxisEnd, HomedAxis, Range};
 use crate::units::Mm;
 
@@ -36,5 +37,5 @@ pub(in crate::machine) fn carry_out<'a, P: PortSet, W: Wake>(
         }
     }
     use_home_offsets(main_loop, offsets);
-    Answer::Position { real: false }
+    tell_place(main_loop, false)
 }

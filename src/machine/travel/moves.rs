@@ -6,7 +6,6 @@ use super::arcs::arc::{Arc, Shape, Way, join, split};
 use crate::connectors::Heater;
 use crate::gcode::{ArcWords, AxisWords, MoveCommand, Number};
 use crate::machine::answers::answer::Answer;
-use crate::machine::answers::belt_answer::BeltAnswer;
 use crate::machine::apart::apart;
 use crate::machine::belt::align::lacks_alignment;
 use crate::machine::heat::heating::{await_readings, heat_again};
@@ -56,6 +55,9 @@ pub(in crate::machine) struct Moves<'c, 'm, P: PortSet, W: Wake> {
     pub main_loop: &'c mut MainLoop<'m, P, W>,
     pub states: &'c mut States,
 }
+
+/// The answer to a printing move of a belt whose motors may strain it.
+const NOT_ALIGNED: Answer<'static> = Answer::Line(packed!("echo:move ignored: align the belt motors first (M915)"));
 
 /// Whether a line may be carried out.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -125,7 +127,7 @@ impl<P: PortSet, W: Wake> Moves<'_, '_, P, W> {
         }
         let [x, y, _] = asked.moves;
         if (x || y) && !self.may_print(wanted.position) {
-            return Ok(Answer::Belt(BeltAnswer::Needed));
+            return Ok(NOT_ALIGNED);
         }
         let may_be_script = is_own(self.main_loop);
         self.main_loop.commanded.leave_park(wanted.position, to, &self.states.modal, may_be_script);
@@ -373,7 +375,7 @@ impl<P: PortSet, W: Wake> Moves<'_, '_, P, W> {
             return Ok(Answer::NotHomed);
         }
         if !self.may_print(wanted.position) {
-            return Ok(Answer::Belt(BeltAnswer::Needed));
+            return Ok(NOT_ALIGNED);
         }
         let may_be_script = is_own(self.main_loop);
         self.main_loop.commanded.leave_park(wanted.position, &words.to, &self.states.modal, may_be_script);

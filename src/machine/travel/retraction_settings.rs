@@ -3,7 +3,7 @@
 use super::retraction::RETRACTION;
 use super::{Answer, Entry, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::gcode::{Grammar, Nature, Part};
-use crate::machine::answers::words::Words;
+use crate::machine::reports::setting_line::SettingLine;
 
 pub(in crate::machine) const ENTRY: Entry = Entry::m("Motion", &[207])
     .nature(Nature::Mode)
@@ -24,13 +24,15 @@ pub(in crate::machine) const ENTRY: Entry = Entry::m("Motion", &[207])
     ]);
 
 pub(in crate::machine) fn carry_out<'a, P: PortSet, W: Wake>(
-    _: &mut MainLoop<'_, P, W>,
+    main_loop: &mut MainLoop<'_, P, W>,
     States { retraction, modal, clamps, .. }: &mut States,
     command: &TableCommand<'a>,
 ) -> Answer<'a> {
     let [length, feed, lift] = [b'S', b'F', b'Z'].map(|letter| command.number(letter));
     if length.or(feed).or(lift).is_none() {
-        return Answer::Words(Words::of_retraction(retraction));
+        let line = SettingLine::of_retraction(retraction);
+        main_loop.tell(|to, _| to.setting(text!("{line}")));
+        return Answer::Said;
     }
     let mut wanted = *retraction;
     if let Some(length) = length {

@@ -2,9 +2,8 @@
 
 use super::{Answer, Entry, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::gcode::{Grammar, Nature};
-use crate::machine::answers::reply_writer::ReplyWriter;
-use crate::machine::answers::says::Facts;
-use crate::machine::reports::report::Hundredths;
+use crate::machine::answers::words::Facts;
+use crate::machine::numbers::Hundredths;
 use crate::settings::HomedAxis;
 
 pub(in crate::machine) const ENTRY: Entry = Entry::m("Settings", &[211])
@@ -26,16 +25,16 @@ pub(in crate::machine) fn carry_out<'a, P: PortSet, W: Wake>(
             main_loop.live_settings().set_soft_endstops(on);
             Answer::Nothing
         }
-        None => Answer::says(say_ends, i32::from(main_loop.homed.lacks_one_of([true; 3]))),
+        None => {
+            let known = if main_loop.homed.lacks_one_of([true; 3]) { "  (once homed)" } else { "" };
+            main_loop.tell(|to, Facts { settings: s, .. }| {
+                let state = if s.soft_endstops { "ON" } else { "OFF" };
+                let reaches = HomedAxis::ALL.map(|axis| s.reach(axis));
+                let [[x, to_x], [y, to_y], [z, to_z]] =
+                    reaches.map(|reach| [reach.least, reach.most].map(Hundredths::of));
+                to.say(text!("Soft endstops: {state}  Min:  X{x} Y{y} Z{z}   Max:  X{to_x} Y{to_y} Z{to_z}{known}"));
+            });
+            Answer::Said
+        }
     }
-}
-
-/// The number says whether an axis is not homed.
-fn say_ends(to: &mut ReplyWriter<'_>, facts: &Facts<'_>) {
-    let s = facts.settings;
-    let state = if s.soft_endstops { "ON" } else { "OFF" };
-    let reaches = HomedAxis::ALL.map(|axis| s.reach(axis));
-    let [[x, to_x], [y, to_y], [z, to_z]] = reaches.map(|reach| [reach.least, reach.most].map(Hundredths::of));
-    let known = if facts.number != 0 { "  (once homed)" } else { "" };
-    to.say(text!("Soft endstops: {state}  Min:  X{x} Y{y} Z{z}   Max:  X{to_x} Y{to_y} Z{to_z}{known}"));
 }

@@ -7,9 +7,12 @@
 use super::moves::Moves;
 use crate::gcode::Number;
 use crate::machine::answers::answer::Answer;
+use crate::machine::answers::words::Facts;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::offsets::{let_z_stand, shift_z, z_reach};
+use crate::machine::numbers::Hundredths;
+use crate::machine::numbers::{exact, shortest_with};
 use crate::machine::ports::PortSet;
 use crate::port::Wake;
 use crate::settings::{Range, Settings, ZStore, ranges};
@@ -90,9 +93,8 @@ impl<P: PortSet, W: Wake> Moves<'_, '_, P, W> {
     }
 
     /// The shift of M290, or the answer if there is none.
-    #[allow(clippy::result_large_err, reason = "the answer is what the caller returns")]
     fn babystep(&mut self, by: Option<Number>, is_kept: bool) -> Result<(Mm, Option<ZStore>), Answer<'static>> {
-        let Some(by) = by else { return Err(Answer::ZOffset) };
+        let Some(by) = by else { return Err(self.tell_z_offset()) };
         let Some(by) = self.states.clamps.length_of(&self.states.modal, ["M290", "Z"], by, MOST, None) else {
             return Err(Answer::Nothing);
         };
@@ -101,7 +103,6 @@ impl<P: PortSet, W: Wake> Moves<'_, '_, P, W> {
     }
 
     /// The shift of SET_GCODE_OFFSET, in mm even after G20, or the answer if nothing moves.
-    #[allow(clippy::result_large_err, reason = "the answer is what the caller returns")]
     fn z_offset(
         &mut self,
         to: Option<Number>,
@@ -113,7 +114,7 @@ impl<P: PortSet, W: Wake> Moves<'_, '_, P, W> {
         let by = match (to, by) {
             (Some(to), _) => read(to).saturating_sub(kept),
             (None, Some(by)) => read(by),
-            (None, None) => return Err(Answer::ZOffset),
+            (None, None) => return Err(self.tell_z_offset()),
         };
         let [.., is_homed] = self.main_loop.homed.axes();
         if moves && is_homed {
@@ -124,6 +125,28 @@ impl<P: PortSet, W: Wake> Moves<'_, '_, P, W> {
         }
         let_z_stand(self.main_loop, by);
         Err(Answer::Nothing)
+    }
+
+    /// The sum of all shifts since z was homed (Marlin's words), and the kept offsets. These are the probe's offset if it
+    /// homes z, the program's offset, and the sum by which both lift the nozzle.
+    fn tell_z_offset(&mut self) -> Answer<'static> {
+        let shifted = self.main_loop.motion.shifted_z();
+        let are_stored = self.main_loop.first_layer.are_stored(&self.main_loop.settings);
+        self.main_loop.tell(|to, Facts { settings: s, .. }| {
+            to.say(text!("echo:Babystep Z{}", Hundredths::of(shifted)));
+            let [news, news_of_probe] =
+                are_stored.map(|is_stored| if is_stored { "" } else { ", not saved: M500 keeps it" });
+            let kept = exact(s.bed.z_offset);
+            if s.homes_z_by_probe() {
+                to.say(text!("echo:Probe Offset Z{}{news_of_probe}", exact(s.probe.offset.z)));
+                // The sum of two rounded decimals is a bit or two off the decimal that it means.
+                let sum = shortest_with(s.probe_in_program().offset.z.into(), 24);
+                to.say(text!("echo:Z offset {kept}, the sum is {sum}{news}"));
+            } else {
+                to.say(text!("echo:Z offset {kept}{news}"));
+            }
+        });
+        Answer::Said
     }
 
     /// Why z does not move by so much; it moves as soon as its limits leave room for it.

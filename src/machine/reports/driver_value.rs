@@ -19,14 +19,6 @@ pub(in crate::machine) enum DriverValue {
 }
 
 impl DriverValue {
-    /// All of them, each at the place of its number.
-    const ALL: [Self; 4] = [Self::Current, Self::HybridThreshold, Self::StallThreshold, Self::Mode];
-
-    /// The value of a number that an answer keeps.
-    pub fn of(number: i32) -> Self {
-        Self::ALL.into_iter().find(|value| *value as i32 == number).unwrap_or(Self::Mode)
-    }
-
     pub const fn code(self) -> &'static str {
         match self {
             Self::Current => "M906",

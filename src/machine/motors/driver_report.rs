@@ -1,10 +1,10 @@
 //! Reports of motor drivers: their state (M122), and their settings (M569, M906, M913, M914).
 
-use super::report::Hundredths;
 use crate::driver::{Chip, DriverError, Drivers, Held, Reading, Shown};
 use crate::gcode::Number;
-use crate::machine::answers::driver_value::DriverValue;
 use crate::machine::answers::reply_writer::ReplyWriter;
+use crate::machine::numbers::Hundredths;
+use crate::machine::reports::driver_value::DriverValue;
 use crate::port::Motor;
 use crate::settings::{DriverGroups, Settings};
 use crate::units::StepsPerMm;
@@ -59,30 +59,44 @@ impl fmt::Display for Health<'_> {
     }
 }
 
-/// M122, the lines of one driver.
-pub(in crate::machine) fn report_driver<C: Chip>(
+/// What is known of a driver that has answered.
+pub(super) struct Seen {
+    reading: Reading,
+    shown: Shown,
+    held: Option<Held>,
+    failures: u16,
+    has_power: bool,
+}
+
+impl Seen {
+    pub fn new<C: Chip>(drivers: &Drivers<C>, motor: Motor, reading: Reading) -> Self {
+        let (held, failures) = drivers.known(motor);
+        Self { reading, shown: drivers.shown(&reading), held, failures, has_power: drivers.powered().has(motor) }
+    }
+}
+
+/// M122, the lines of one driver; `None` without a UART.
+pub(super) fn report_driver(
     to: &mut ReplyWriter<'_>,
-    (motor, reading): (Motor, Option<Result<Reading, DriverError>>),
-    drivers: &Drivers<C>,
+    motor: Motor,
+    seen: Option<&Result<Seen, DriverError>>,
     s: &Settings,
 ) {
     let name = s.name_of(motor);
-    let reading = match reading {
+    let Seen { reading, shown, held, failures, has_power } = match seen {
         None => return to.say(text!("Driver {name}: no UART, set by its jumpers")),
         Some(Err(error)) => return to.say(text!("Driver {name}: {error}")),
-        Some(Ok(reading)) => reading,
+        Some(Ok(seen)) => seen,
     };
-    let (held, failures) = drivers.known(motor);
-    let shown = drivers.shown(&reading);
-    let power = if drivers.powered().has(motor) { "on" } else { "off" };
+    let power = if *has_power { "on" } else { "off" };
     let turn = turn_of(s.steps_per_mm(motor), shown.microsteps.unwrap_or_default());
     let rate = held.and_then(|held| held.quiet_steps_per_s);
     let threshold = rate.map(|rate| Hundredths::of(s.steps_per_mm(motor).length_of(rate.into())));
-    let state = State { shown: &shown, held, power, turn, threshold };
+    let state = State { shown, held: *held, power, turn, threshold };
     to.say(text!("Driver {name}: {state}"));
     // A driver that got no message yet rightly reports that it was reset.
     let problem = held.and(shown.problem);
-    to.say(text!("  {}", Health(&reading, &shown, problem, failures)));
+    to.say(text!("  {}", Health(reading, shown, problem, *failures)));
 }
 
 /// The distance for a turn of a motor of 200 full steps, which shows whether microsteps and steps/mm agree.
@@ -108,7 +122,7 @@ impl<N: fmt::Display> fmt::Display for DriverValueLine<N> {
 }
 
 /// One value of each axis, and of each motor that has its own.
-pub(in crate::machine) fn report_driver_values(to: &mut ReplyWriter<'_>, value: DriverValue, s: &Settings) {
+pub(super) fn report_driver_values(to: &mut ReplyWriter<'_>, value: DriverValue, s: &Settings) {
     let DriverGroups { belt, z, e, .. } = s.drivers;
     for (axis, group) in [('X', belt), ('Y', belt), ('Z', z), ('E', e)] {
         to.say(text!("{}", DriverValueLine(axis, value, value.number(&group))));
@@ -117,7 +131,7 @@ pub(in crate::machine) fn report_driver_values(to: &mut ReplyWriter<'_>, value: 
 }
 
 /// The value of each motor that has its own.
-pub(in crate::machine) fn report_own_driver_values(to: &mut ReplyWriter<'_>, value: DriverValue, s: &Settings) {
+pub(super) fn report_own_driver_values(to: &mut ReplyWriter<'_>, value: DriverValue, s: &Settings) {
     for (motor, number) in value.of_motors(s) {
         to.say(text!("{}", DriverValueLine(s.name_of(motor), value, number)));
     }

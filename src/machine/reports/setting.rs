@@ -1,6 +1,5 @@
 //! Names for the settings that one line of G-code sets: each is a line of M503.
 
-use crate::connectors::Heater;
 use crate::settings::plain::{CODES, Owner, condition};
 
 /// The settings of one line.
@@ -48,15 +47,4 @@ impl Setting {
             Self::Levelling => None,
         }
     }
-}
-
-/// The heater or fan settings of one line.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(in crate::machine) enum HeatSetting {
-    /// M306.
-    Model(Heater),
-    /// M302.
-    ColdExtrusion,
-    /// M710.
-    ControllerFan,
 }
