@@ -7,7 +7,7 @@
 //! M410 and M524 end every wait with an error, which comes up to here: `quick_stop` brakes, drops the motion and
 //! restores everything that a command had changed for a while. This is grouping, trim, a buzz, drivers that measure, a
 //! probe that is out or near the bed, an axis that was being homed. Then the line is answered. A command that must tidy
-//! up by itself catches the error where it waits (`tune`, `setup::stored`). A line that is kept without `ok`
+//! up by itself catches the error where it waits (`tune`, `setup::stored`). A line that is held without `ok`
 //! (`state::job`) waits here, while other hosts are served; it is taken up again when its user answers.
 
 use crate::kinematics::Groupings;
@@ -34,8 +34,8 @@ use crate::machine::print::upload;
 use crate::machine::probe::touch::end_touch;
 use crate::machine::setup::kept_mesh::take_mesh_to_use;
 use crate::machine::setup::stored::{load_at_start, note_self_test, report_start};
+use crate::machine::state::held_line::Answered;
 use crate::machine::state::job::JobEnd;
-use crate::machine::state::kept_line::Answered;
 use crate::machine::states::States;
 use crate::motion::{Link, MoveMemory, QueueObserver};
 use crate::port::{BoardFacts, Wake};
@@ -128,7 +128,7 @@ impl<'m, P: PortSet, W: Wake> Console<'m, P, W> {
                 }
             }
         }
-        // A command that an emergency ended is answered all the same, and so is a line that was kept.
+        // A command that an emergency ended is answered all the same, and so is a line that was held.
         if main_loop.hosts.owes_ok() {
             main_loop.reply(Answer::Ok).await?;
             end_line(&mut main_loop.hosts, &mut main_loop.pauses);
@@ -143,7 +143,7 @@ impl<'m, P: PortSet, W: Wake> Console<'m, P, W> {
 
     async fn serve(&mut self) -> Result<Infallible, Interrupt> {
         let Self { main_loop, states } = self;
-        let (mut text, mut kept_text) = (Text::new(), Text::new());
+        let (mut text, mut held_text) = (Text::new(), Text::new());
         loop {
             if main_loop.heat.has_passed_test() && !main_loop.motion.has_motion() {
                 note_self_test(main_loop).await?;
@@ -154,7 +154,7 @@ impl<'m, P: PortSet, W: Wake> Console<'m, P, W> {
             }
             let now = main_loop.turn_began();
             if let Some(answered) = take_answer(&main_loop.hosts, &mut main_loop.job, now) {
-                if let Some(answer) = take_up(main_loop, states, &kept_text, answered).await? {
+                if let Some(answer) = take_up(main_loop, states, &held_text, answered).await? {
                     reply_to(main_loop, answer).await?;
                 }
                 continue;
@@ -186,8 +186,8 @@ impl<'m, P: PortSet, W: Wake> Console<'m, P, W> {
             if let Some(lines) = main_loop.hosts.upload_given_up() {
                 upload::tell_of_end(main_loop, lines);
             }
-            if let Answer::Kept = answer {
-                kept_text.clone_from(&text);
+            if let Answer::Held = answer {
+                held_text.clone_from(&text);
                 set_aside(&mut main_loop.hosts, &mut main_loop.pauses);
                 continue;
             }
@@ -249,29 +249,29 @@ async fn reply_to<P: PortSet, W: Wake>(
     Ok(())
 }
 
-/// The kept line continues: its print does, and if the line could not be carried out before, it is now. Returns its
-/// answer; `None` if it stays kept.
+/// The held line continues: its print does, and if the line could not be carried out before, it is now. Returns its
+/// answer; `None` if it stays held.
 async fn take_up<'a, P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
     text: &'a [u8],
     answered: Answered,
 ) -> Result<Option<Answer<'a>>, Interrupt> {
-    let Some(kept) = input::take_up(&mut main_loop.hosts, &mut main_loop.job) else { return Ok(None) };
-    let answer = match go_on_with(main_loop, states, kept, answered).await {
+    let Some(held) = input::take_up(&mut main_loop.hosts, &mut main_loop.job) else { return Ok(None) };
+    let answer = match go_on_with(main_loop, states, held, answered).await {
         Ok(Some(true)) => match carry_out(main_loop, states, &table::parse(text)).await {
             Ok(answer) => answer,
             Err(interrupt) => return Err(tell_of_end(main_loop, interrupt, text)),
         },
         Ok(Some(false)) => Answer::Nothing,
-        Ok(None) => Answer::Kept,
+        Ok(None) => Answer::Held,
         Err(Interrupt::EndJob) => {
             let why = main_loop.job.why_it_ends();
             apart(pin!(end_job(main_loop, &mut states.modal, why))).await?
         }
         Err(interrupt) => return Err(interrupt),
     };
-    if let Answer::Kept = answer {
+    if let Answer::Held = answer {
         set_aside(&mut main_loop.hosts, &mut main_loop.pauses);
         return Ok(None);
     }

@@ -2,7 +2,7 @@
 //!
 //! A command returns its answer; `main_loop::reply` writes it, and the Console then sends the `ok`. The words of an
 //! answer stand in the file of the command, or of the room that decides it. There is no variant for each: what a command
-//! has to say it tells at once (`MainLoop::say` and `tell`), in room that is kept for that, and the answer is
+//! has to say it tells at once (`MainLoop::say` and `tell`), in room that is held for that, and the answer is
 //! [`Said`](Answer::Said). What may be long waits for room: [`Words`] that the command returns, or gives
 //! to `MainLoop::reply`. An `echo:` that is no trouble also goes into `EXPECTED` of `sim/board/src/host.rs`, or
 //! `corehbot run` warns of it.
@@ -24,8 +24,8 @@ pub(in crate::machine) enum Answer<'a> {
     /// M110, with the line number that it requested.
     LineNumber(Option<i32>),
     TooLong,
-    /// Nothing, and no `ok` for now: the line is kept.
-    Kept,
+    /// Nothing, and no `ok` for now: the line is held.
+    Held,
     /// To a silent host: asks for the line after this one.
     Question(i32),
     Resend(ResendReason, i32),

@@ -16,23 +16,23 @@ use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::print::detour::{begin_line, end_line};
 use crate::machine::print::job::{end_job, refuse, starts_print};
-use crate::machine::print::pause::{end_keeping, hold};
+use crate::machine::print::pause::{end_holding, hold};
+use crate::machine::state::held_line::{Answered, HoldReason};
 use crate::machine::state::job::JobEnd;
-use crate::machine::state::kept_line::{Answered, Kept};
 use crate::machine::states::{States, tell_clamps};
 use crate::machine::travel::moves::Moves;
 use crate::port::Wake;
 use core::pin::pin;
 
-/// Resumes the print of a kept line, if possible. True: carry out the line now; false: it needs its `ok` alone; `None`:
+/// Resumes the print of a held line, if possible. True: carry out the line now; false: it needs its `ok` alone; `None`:
 /// keep it for longer.
 pub(in crate::machine) async fn go_on_with<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
-    kept: Kept,
+    held: HoldReason,
     answered: Answered,
 ) -> Result<Option<bool>, Interrupt> {
-    apart(pin!(end_keeping(main_loop, states, kept, answered))).await
+    apart(pin!(end_holding(main_loop, states, held, answered))).await
 }
 
 /// Carries out a command, reports values out of range, and returns the answer to send before its `ok`.
@@ -75,8 +75,8 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Wake>(
         }
         // A print that goes on without it would print on an unknown bed.
         Ok(Answer::NotHomed) if main_loop.job.is_printing() && is_about_bed(command) => {
-            hold(main_loop, &states.modal, Kept::Lost([true; 3])).await?;
-            Ok(Answer::Kept)
+            hold(main_loop, &states.modal, HoldReason::Lost([true; 3])).await?;
+            Ok(Answer::Held)
         }
         Ok(answer) => {
             if matches!(answer, Answer::Nothing) && main_loop.job.is_paused() {

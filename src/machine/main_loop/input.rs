@@ -6,8 +6,8 @@ use crate::machine::hosts::request::{Parse, Request};
 use crate::machine::hosts::serving::Hosts;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::ports::PortSet;
+use crate::machine::state::held_line::{Answered, HoldReason};
 use crate::machine::state::job::Job;
-use crate::machine::state::kept_line::{Answered, Kept};
 use crate::machine::state::pauses::Pauses;
 use crate::machine::state::waiting::Waiting;
 use crate::port::{Serial, Wake};
@@ -31,14 +31,14 @@ impl<P: PortSet, W: Wake> MainLoop<'_, P, W> {
         }
         let activity = || activity(motion.has_motion(), motion.has_waited(), job);
         let asked = hosts.next_line(self.turn_began, (u32::from(self.settings.patience_ms), &activity), parse, text);
-        self.status.set_awaiting_input(asked.is_none() && self.job.line().kept().is_none());
+        self.status.set_awaiting_input(asked.is_none() && self.job.line().reason().is_none());
         asked
     }
 
     /// Takes in the received bytes.
     pub(super) fn receive(&mut self) -> Option<Interrupt> {
         // M108 ends the wait of the command that is being carried out, if that waits; else it is for the line that is
-        // kept.
+        // held.
         let is_for_command = self.pauses.waiting() != Waiting::Nothing;
         let urgent = self.hosts.receive(self.turn_began, is_for_command);
         self.pauses.note(urgent.go_on, urgent.resume);
@@ -62,13 +62,13 @@ pub(in crate::machine) const fn end_line<S: Serial>(hosts: &mut Hosts<'_, S>, pa
     pauses.end_command();
 }
 
-/// The host being served waits for a line that is kept.
+/// The host being served waits for a line that is held.
 pub(in crate::machine) const fn set_aside<S: Serial>(hosts: &mut Hosts<'_, S>, pauses: &mut Pauses) {
     hosts.set_aside();
     pauses.end_command();
 }
 
-/// The answer to the kept line, if there is one by now.
+/// The answer to the held line, if there is one by now.
 pub(in crate::machine) fn take_answer<S: Serial>(
     hosts: &Hosts<'_, S>,
     job: &mut Job,
@@ -82,11 +82,11 @@ pub(in crate::machine) fn take_answer<S: Serial>(
     job.line_mut().take_answer(now, is_paused)
 }
 
-/// The host of the kept line is being served again; no line is kept any more.
-pub(in crate::machine) fn take_up<S: Serial>(hosts: &mut Hosts<'_, S>, job: &mut Job) -> Option<Kept> {
-    let kept = job.line_mut().take()?;
+/// The host of the held line is being served again; no line is held any more.
+pub(in crate::machine) fn take_up<S: Serial>(hosts: &mut Hosts<'_, S>, job: &mut Job) -> Option<HoldReason> {
+    let held = job.line_mut().take()?;
     hosts.take_up();
-    Some(kept)
+    Some(held)
 }
 
 /// The machine's activity while a host is silent.

@@ -1,5 +1,5 @@
 //! Replies: an answer is written here; if a part finds no room, the caller waits. What a command says on its way goes
-//! ahead, into room that is kept for it, so only `reply` has a place to wait in.
+//! ahead, into room that is held for it, so only `reply` has a place to wait in.
 
 use super::heaters::Heaters;
 use super::place::named_place;
@@ -63,7 +63,7 @@ impl<'m, P: PortSet, W: Wake> MainLoop<'m, P, W> {
         let Self { hosts, progress, settings, status, storage, trimming, bed, heat, .. } = self;
         let to = &mut ReplyWriter::new(progress, hosts);
         match *answer {
-            Answer::Nothing | Answer::Said | Answer::Kept | Answer::Ok => {}
+            Answer::Nothing | Answer::Said | Answer::Held | Answer::Ok => {}
             Answer::LineNumber(number) => to.put(&|replies| replies.line_number(number)),
             Answer::TooLong => to.put(&Replies::too_long),
             Answer::Question(last) => to.put(&|replies| replies.question(last)),

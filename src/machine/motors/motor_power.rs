@@ -50,7 +50,7 @@ async fn release<P: PortSet, W: Wake>(
     }
     if all || flags.x || flags.y || flags.z {
         let job = &main_loop.job;
-        if job.is_paused() && (job.printed_at().is_some() || job.line().kept().is_some()) {
+        if job.is_paused() && (job.printed_at().is_some() || job.line().reason().is_some()) {
             tell_of_pause(main_loop);
         } else {
             end_by_line(main_loop, &mut states.modal).await?;

@@ -9,8 +9,8 @@ use crate::machine::main_loop::MainLoop;
 use crate::machine::main_loop::offsets::tell_of_z_offset;
 use crate::machine::ports::PortSet;
 use crate::machine::probe::touch::end_touch;
+use crate::machine::state::held_line::HoldReason;
 use crate::machine::state::job::JobEnd;
-use crate::machine::state::kept_line::Kept;
 use crate::machine::state::modal::Modal;
 use crate::port::Wake;
 use crate::protocol::Action;
@@ -52,8 +52,8 @@ pub(in crate::machine) async fn end_job<P: PortSet, W: Wake>(
     let settings = main_loop.settings.job;
     if can_be_mended && settings.on_failure == OnFailure::Pause && main_loop.job.is_printing() {
         main_loop.hosts.notify_all(text!("echo:{why}"));
-        hold(main_loop, modal, Kept::Failed).await?;
-        return Ok(Answer::Kept);
+        hold(main_loop, modal, HoldReason::Failed).await?;
+        return Ok(Answer::Held);
     }
     main_loop.pauses.end_command();
     end_touch(main_loop).await?;

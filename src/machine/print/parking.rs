@@ -144,7 +144,7 @@ fn way_to_park<P: PortSet, W: Wake>(main_loop: &MainLoop<'_, P, W>, states: &Sta
 }
 
 /// The tool moves from its present place to the commanded position: first above it, then down. Then the filament goes
-/// forward that the pause has pulled back. In a cold hotend it stays back, until a kept line that prints continues.
+/// forward that the pause has pulled back. In a cold hotend it stays back, until a held line that prints continues.
 pub(in crate::machine) async fn go_back<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &States,

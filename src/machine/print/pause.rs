@@ -1,4 +1,4 @@
-//! Pauses: M25, M125, M0, M1, M600, M601, lines that are kept because they cannot be carried out for now, and the end
+//! Pauses: M25, M125, M0, M1, M600, M601, lines that are held because they cannot be carried out for now, and the end
 //! of a pause.
 //!
 //! ```text
@@ -23,8 +23,8 @@ use crate::machine::heat::heating::heat_again;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
+use crate::machine::state::held_line::{Answered, HoldReason};
 use crate::machine::state::job::{Break, any_of};
-use crate::machine::state::kept_line::{Answered, Kept};
 use crate::machine::state::modal::Modal;
 use crate::machine::state::program::{Dynamics, Program};
 use crate::machine::states::States;
@@ -54,8 +54,8 @@ const HELD_UNTIL_HOMED: Packed = packed!("echo:print held: axes are no longer ho
 pub(in crate::machine) enum Going {
     /// It continues.
     On,
-    /// The axes are not homed, or the hotend is too cold for the line that is kept.
-    Not(Kept),
+    /// The axes are not homed, or the hotend is too cold for the line that is held.
+    Not(HoldReason),
 }
 
 /// Says actions to all hosts.
@@ -96,14 +96,14 @@ pub(in crate::machine) async fn pause<P: PortSet, W: Wake>(
     Ok(tell_of_other(main_loop, "M125", words))
 }
 
-/// M0, M1, M600, M601: the line is kept until M108, M24, M602 or an answer comes, or for `ms`; 0 is for ever.
+/// M0, M1, M600, M601: the line is held until M108, M24, M602 or an answer comes, or for `ms`; 0 is for ever.
 pub(in crate::machine) async fn await_user<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &States,
     (ms, filament): (u32, bool),
     words: &ParkWords,
 ) -> Result<Answer<'static>, Interrupt> {
-    if main_loop.job.line().kept().is_some() {
+    if main_loop.job.line().reason().is_some() {
         return Ok(Answer::Line(packed!("echo:ignored, the print is paused already: send M24 or M108 first")));
     }
     main_loop.finish().await?;
@@ -113,8 +113,8 @@ pub(in crate::machine) async fn await_user<P: PortSet, W: Wake>(
     }
     tell_of_other(main_loop, "M600", words);
     let until: Option<Instant> = (ms > 0).then(|| main_loop.now().after_ms(ms));
-    main_loop.job.line_mut().keep(Kept::User(until), &main_loop.pauses);
-    Ok(Answer::Kept)
+    main_loop.job.line_mut().hold(HoldReason::User(until), &main_loop.pauses);
+    Ok(Answer::Held)
 }
 
 /// Says that a word is not supported, as the answer: letters of M125 and M600 in Marlin 2.1 and Prusa's firmware (AUTO,
@@ -129,31 +129,33 @@ fn tell_of_other<P: PortSet, W: Wake>(
     Answer::Said
 }
 
-/// A line that prints cannot be carried out for now: the host is asked to pause, and the line is kept. Nothing moves,
+/// A line that prints cannot be carried out for now: the host is asked to pause, and the line is held. Nothing moves,
 /// because the nozzle may have frozen to the part, or its place is unknown.
 pub(in crate::machine) async fn hold<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     modal: &Modal,
-    why: Kept,
+    why: HoldReason,
 ) -> Result<(), Interrupt> {
     main_loop.finish().await?;
     if !main_loop.job.is_paused() {
         save(main_loop, modal, Mm::ZERO);
     }
     report_reason(main_loop, why, Action::Pause);
-    main_loop.job.line_mut().keep(why, &main_loop.pauses);
+    main_loop.job.line_mut().hold(why, &main_loop.pauses);
     Ok(())
 }
 
-/// Reports why a line is kept, and how to continue.
-fn report_reason<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>, why: Kept, first: Action<'static>) {
+/// Reports why a line is held, and how to continue.
+fn report_reason<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>, why: HoldReason, first: Action<'static>) {
     let (line, question) = match why {
-        Kept::Lost(axes) if !main_loop.homed.lacks_one_of(axes) => {
+        HoldReason::Lost(axes) if !main_loop.homed.lacks_one_of(axes) => {
             (packed!("echo:print held: its motors were off. M24 goes on with it, M524 ends it"), LOST)
         }
-        Kept::Lost(_) => (HELD_UNTIL_HOMED, LOST),
-        Kept::Failed => (packed!("echo:print held: mend what failed, then send M24 to try the line again"), FAILED),
-        Kept::Cold | Kept::User(_) => {
+        HoldReason::Lost(_) => (HELD_UNTIL_HOMED, LOST),
+        HoldReason::Failed => {
+            (packed!("echo:print held: mend what failed, then send M24 to try the line again"), FAILED)
+        }
+        HoldReason::Cold | HoldReason::User(_) => {
             (packed!("echo:print held: the hotend is too cold. Heat it, then send M24"), COLD)
         }
     };
@@ -211,20 +213,20 @@ async fn save_and_park<P: PortSet, W: Wake>(
 async fn go_on<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
-    kept: Option<Kept>,
+    held: Option<HoldReason>,
 ) -> Result<Going, Interrupt> {
     let Some(&mut Break { program, homed, .. }) = main_loop.job.paused_mut() else { return Ok(Going::On) };
-    let wanted = match kept {
-        Some(Kept::Lost(axes)) => axes,
-        Some(Kept::User(_) | Kept::Cold | Kept::Failed) | None => [false; 3],
+    let wanted = match held {
+        Some(HoldReason::Lost(axes)) => axes,
+        Some(HoldReason::User(_) | HoldReason::Cold | HoldReason::Failed) | None => [false; 3],
     };
     let needed = main_loop.job.to_home(any_of(homed, wanted), true);
     if main_loop.homed.lacks_one_of(needed) {
-        return Ok(Going::Not(Kept::Lost(needed)));
+        return Ok(Going::Not(HoldReason::Lost(needed)));
     }
     apart(pin!(heat_again(main_loop))).await?;
-    if kept == Some(Kept::Cold) && states.is_too_cold(main_loop) {
-        return Ok(Going::Not(Kept::Cold));
+    if held == Some(HoldReason::Cold) && states.is_too_cold(main_loop) {
+        return Ok(Going::Not(HoldReason::Cold));
     }
     main_loop.finish().await?;
     // Pushed in once.
@@ -238,7 +240,7 @@ async fn go_on<P: PortSet, W: Wake>(
     put_modes(main_loop, &mut states.modal, &program);
     // Where an axis is that was lost then and is homed now, the program has never been. The line finds its place
     // itself.
-    if kept == Some(Kept::Failed) && main_loop.homed.axes() != homed {
+    if held == Some(HoldReason::Failed) && main_loop.homed.axes() != homed {
         main_loop.commanded.stand_at(from);
     } else {
         go_back(main_loop, states, from).await?;
@@ -273,12 +275,12 @@ async fn blow_again<P: PortSet, W: Wake>(
     Ok(())
 }
 
-/// M24, M602. If it has ended the wait of a kept line, that wait reports it.
+/// M24, M602. If it has ended the wait of a held line, that wait reports it.
 pub(in crate::machine) async fn resume<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
 ) -> Result<Answer<'static>, Interrupt> {
-    if main_loop.job.line().kept().is_some() {
+    if main_loop.job.line().reason().is_some() {
         return Ok(Answer::Nothing);
     }
     Ok(match go_on(main_loop, states, None).await? {
@@ -298,17 +300,17 @@ pub(in crate::machine) async fn resume_stream<P: PortSet, W: Wake>(
     // Without numbers, it may be another file.
     let lost = main_loop.job.to_home([false; 3], false);
     if lost != [false; 3] && main_loop.stream.may_hold(false) {
-        return Ok(Going::Not(Kept::Lost(lost)));
+        return Ok(Going::Not(HoldReason::Lost(lost)));
     }
     go_on(main_loop, states, None).await
 }
 
-/// A line that is kept was answered by the user, by its time or by the end of its print. True if it is to be carried
-/// out now; false if it needs its `ok`; `None` if it stays kept.
-pub(in crate::machine) async fn end_keeping<P: PortSet, W: Wake>(
+/// A line that is held was answered by the user, by its time or by the end of its print. True if it is to be carried
+/// out now; false if it needs its `ok`; `None` if it stays held.
+pub(in crate::machine) async fn end_holding<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     states: &mut States,
-    kept: Kept,
+    held: HoldReason,
     answered: Answered,
 ) -> Result<Option<bool>, Interrupt> {
     if !main_loop.job.is_paused() {
@@ -317,11 +319,11 @@ pub(in crate::machine) async fn end_keeping<P: PortSet, W: Wake>(
     }
     // The end of the line's wait does not end the wait for heat.
     main_loop.pauses.end_command();
-    let is_for_user = matches!(kept, Kept::User(_));
+    let is_for_user = matches!(held, HoldReason::User(_));
     if is_for_user {
         announce(main_loop, &[Action::PromptEnd]);
     }
-    match go_on(main_loop, states, Some(kept)).await? {
+    match go_on(main_loop, states, Some(held)).await? {
         Going::On if is_for_user => Ok(Some(false)),
         Going::On => {
             announce(main_loop, &[Action::PromptEnd]);
@@ -330,7 +332,7 @@ pub(in crate::machine) async fn end_keeping<P: PortSet, W: Wake>(
         Going::Not(why) if is_for_user || answered == Answered::Resume => {
             report_reason(main_loop, why, Action::Paused);
             // Its time is over.
-            main_loop.job.line_mut().keep_on(if is_for_user { Kept::User(None) } else { kept });
+            main_loop.job.line_mut().hold_on(if is_for_user { HoldReason::User(None) } else { held });
             Ok(None)
         }
         Going::Not(_) => {

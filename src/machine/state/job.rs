@@ -11,17 +11,17 @@
 //!   cold filament does not move, and a move that needs homing is refused.
 //! - Printing: see above. Motors hold. Heaters go off when idle and come back before filament moves. A line has its
 //!   effect; a line for a cold hotend or a lost position is kept, and the print is paused.
-//! - Paused: by M25, M0, M1, M600, M601, M125, or a line that is kept. Motors hold. Heaters go off after a time and
+//! - Paused: by M25, M0, M1, M600, M601, M125, or a line that is held. Motors hold. Heaters go off after a time and
 //!   come back before the print continues. A line has its effect: it jogs or heats. Axes that lose their power are
 //!   homed before the print continues.
 //! - Ended: by `Interrupt::EndJob`. Motors lose power when idle, heaters are off. A line moves and heats nothing until
 //!   G28, M108 or M110.
 //!
-//! A pause ends with M24 or M602. If a line is kept, M108 and M876 S end it too; if none is kept, the next line of its
-//! [stream](super::paused_stream) that prints ends it. The kept line gets no `ok` during the pause, and other hosts are
+//! A pause ends with M24 or M602. If a line is held, M108 and M876 S end it too; if none is kept, the next line of its
+//! [stream](super::paused_stream) that prints ends it. The held line gets no `ok` during the pause, and other hosts are
 //! served.
 
-use super::kept_line::KeptLine;
+use super::held_line::HeldLine;
 use super::level::LevelFailure;
 use super::program::Program;
 use crate::connectors::{HEATERS, Heater};
@@ -246,7 +246,7 @@ pub(in crate::machine) struct Job {
     paused: Option<Break>,
     /// The heater targets before the pause, or before the heaters switched off in the print.
     targets: Option<[Celsius; HEATERS]>,
-    line: KeptLine,
+    line: HeldLine,
     is_cancelled: bool,
     /// Why the present command has the job end.
     end: JobEnd,
@@ -267,7 +267,7 @@ impl Job {
             printed_at: None,
             paused: None,
             targets: None,
-            line: KeptLine::new(),
+            line: HeldLine::new(),
             is_cancelled: false,
             end: JobEnd::Cancelled,
         }
@@ -298,7 +298,7 @@ impl Job {
         }
     }
 
-    /// The print is over, as it should be. The Console answers a kept line.
+    /// The print is over, as it should be. The Console answers a held line.
     pub const fn end(&mut self) {
         *self = Self { line: self.line, ..Self::new() };
     }
@@ -425,13 +425,13 @@ impl Job {
         }
     }
 
-    /// The line that is kept without `ok`.
-    pub const fn line(&self) -> &KeptLine {
+    /// The line that is held without `ok`.
+    pub const fn line(&self) -> &HeldLine {
         &self.line
     }
 
     /// The same: it is kept, answered or taken up. Only a print that begins forgets it by itself.
-    pub const fn line_mut(&mut self) -> &mut KeptLine {
+    pub const fn line_mut(&mut self) -> &mut HeldLine {
         &mut self.line
     }
 

@@ -17,7 +17,7 @@
 //! | whether a print is under way, paused or ended; its state in a pause | [`job`], [`program`], [`paused_stream`] |
 //! | the mesh of the bed, the area that a print needs | [`known_bed`] |
 //! | whether the screws of z are level | [`level`] |
-//! | a line that is kept without `ok` | [`kept_line`] |
+//! | a line that is held without `ok` | [`held_line`] |
 //! | queued orders for heaters and fans | [`heat_orders`], [`fan_schedule`], [`self_tests`] |
 //! | the Z probe | [`probing`] |
 //! | a machine record in transfer | [`machine_pieces`] |
@@ -45,9 +45,9 @@ pub(in crate::machine) mod commanded;
 pub(in crate::machine) mod fan_schedule;
 pub(in crate::machine) mod first_layer;
 pub(in crate::machine) mod heat_orders;
+pub(in crate::machine) mod held_line;
 pub(in crate::machine) mod idle_timeout;
 pub(in crate::machine) mod job;
-pub(in crate::machine) mod kept_line;
 pub(in crate::machine) mod known_bed;
 pub(in crate::machine) mod level;
 pub(in crate::machine) mod limping;

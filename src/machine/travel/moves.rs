@@ -16,8 +16,8 @@ use crate::machine::ports::PortSet;
 use crate::machine::print::detour::is_own;
 use crate::machine::print::pause::{Going, hold, resume_stream};
 use crate::machine::state::commanded::{Commanded, LEAST_FILAMENT, Wanted};
+use crate::machine::state::held_line::HoldReason;
 use crate::machine::state::job::any_of;
-use crate::machine::state::kept_line::Kept;
 use crate::machine::state::modal::{FARTHEST, Modal, are_apart};
 use crate::machine::state::notices::Notice;
 use crate::machine::state::program::Program;
@@ -65,8 +65,8 @@ pub(in crate::machine) enum Gate {
     Open,
     /// It may move, and the meaning of its words has changed.
     Changed,
-    /// It is kept.
-    Kept,
+    /// It is held.
+    Held,
 }
 
 /// Whether a line is straight.
@@ -118,7 +118,7 @@ impl<P: PortSet, W: Wake> Moves<'_, '_, P, W> {
                 wanted = self.wanted(to);
                 asked = self.asked(&wanted, Course::Straight);
             }
-            Gate::Kept => return Ok(Answer::Kept),
+            Gate::Held => return Ok(Answer::Held),
         }
         let feed = self.states.clamps.feed(&self.states.modal, feed).unwrap_or(self.states.modal.feed);
         self.tell_of(&wanted);
@@ -166,7 +166,7 @@ impl<P: PortSet, W: Wake> Moves<'_, '_, P, W> {
     fn goes_on_in_stream(&self, (to, course): (&AxisWords, Course)) -> bool {
         let main_loop = &*self.main_loop;
         let Some(Program { commanded, modal, .. }) = main_loop.stream.program() else { return false };
-        if main_loop.job.line().kept().is_some() || !is_own(main_loop) {
+        if main_loop.job.line().reason().is_some() || !is_own(main_loop) {
             return false;
         }
         let wanted = commanded.target(to, modal, &main_loop.settings, false);
@@ -212,7 +212,7 @@ impl<P: PortSet, W: Wake> Moves<'_, '_, P, W> {
             let needed = any_of(asked.moves, [false, false, asked.prints()]);
             let to_home = job.to_home(asked.moves, self.main_loop.settings.require_homing);
             if homed.has_lost_one_of(needed) || homed.lacks_one_of(to_home) {
-                break 'why Some(Kept::Lost(any_of(needed, to_home)));
+                break 'why Some(HoldReason::Lost(any_of(needed, to_home)));
             }
             if asked.filament.saturating_abs() < LEAST_FILAMENT {
                 break 'why None;
@@ -221,13 +221,13 @@ impl<P: PortSet, W: Wake> Moves<'_, '_, P, W> {
                 gate = Gate::Changed;
                 apart(pin!(heat_again(self.main_loop))).await?;
             }
-            (asked.filament > Mm::ZERO && self.states.is_too_cold(self.main_loop)).then_some(Kept::Cold)
+            (asked.filament > Mm::ZERO && self.states.is_too_cold(self.main_loop)).then_some(HoldReason::Cold)
         };
         let Some(why) = why else { return Ok(gate) };
-        // The line is kept for that reason, and is carried out as if it came then.
+        // The line is held for that reason, and is carried out as if it came then.
         self.states.clamps.clear();
         hold(self.main_loop, &self.states.modal, why).await?;
-        Ok(Gate::Kept)
+        Ok(Gate::Held)
     }
 
     /// A move that prints was planned. In a pause it is a button's: the line that ends a pause ends it before.
@@ -345,7 +345,7 @@ impl<P: PortSet, W: Wake> Moves<'_, '_, P, W> {
                 wanted = self.wanted(&words.to);
                 asked = self.asked(&wanted, Course::Arc);
             }
-            Gate::Kept => return Ok(Answer::Kept),
+            Gate::Held => return Ok(Answer::Held),
         }
         let speed = self.states.clamps.feed(&self.states.modal, words.feed).unwrap_or(self.states.modal.feed);
         self.tell_of(&wanted);

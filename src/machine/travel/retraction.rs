@@ -34,8 +34,8 @@ impl<P: PortSet, W: Wake> Moves<'_, '_, P, W> {
         } else {
             (commanded.moves_away(settings, speed), -settings.length)
         };
-        if moves.is_some() && self.hold_back(Asked { moves: [false; 3], filament }, None).await? == Gate::Kept {
-            return Ok(Answer::Kept);
+        if moves.is_some() && self.hold_back(Asked { moves: [false; 3], filament }, None).await? == Gate::Held {
+            return Ok(Answer::Held);
         }
         if self.states.is_too_cold(self.main_loop) {
             self.tell_of_cold();

@@ -1,11 +1,11 @@
-//! A line that is kept without `ok`: why, and the answer that it waits for.
+//! A line that is held without `ok`: why, and the answer that it waits for.
 
 use super::pauses::Pauses;
 use crate::units::Instant;
 
-/// Why a line is kept without `ok`.
+/// Why a line is held without `ok`.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(in crate::machine) enum Kept {
+pub(in crate::machine) enum HoldReason {
     /// It waits for the user, or until then.
     User(Option<Instant>),
     /// Carry it out when the hotend is warm enough.
@@ -16,7 +16,7 @@ pub(in crate::machine) enum Kept {
     Lost([bool; 3]),
 }
 
-/// How a kept line continues.
+/// How a held line continues.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(in crate::machine) enum Answered {
     /// M108, or its time has passed: continue in any case.
@@ -25,45 +25,45 @@ pub(in crate::machine) enum Answered {
     Resume,
 }
 
-/// The line that is kept, if one is, and its answer.
+/// The line that is held, if one is, and its answer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(in crate::machine) struct KeptLine {
-    kept: Option<Kept>,
+pub(in crate::machine) struct HeldLine {
+    reason: Option<HoldReason>,
     answered: Option<Answered>,
 }
 
-impl KeptLine {
+impl HeldLine {
     pub const fn new() -> Self {
-        Self { kept: None, answered: None }
+        Self { reason: None, answered: None }
     }
 
-    /// The line that is being carried out is kept without `ok`, and others are served. An answer that came in one
+    /// The line that is being carried out is held without `ok`, and others are served. An answer that came in one
     /// packet with it counts.
-    pub fn keep(&mut self, kept: Kept, pauses: &Pauses) {
+    pub fn hold(&mut self, reason: HoldReason, pauses: &Pauses) {
         let answered =
             if pauses.is_answered() { Some(Answered::Resume) } else { pauses.is_over().then_some(Answered::GoOn) };
-        *self = Self { kept: Some(kept), answered };
+        *self = Self { reason: Some(reason), answered };
     }
 
-    /// It stays kept, and waits for another answer.
-    pub const fn keep_on(&mut self, kept: Kept) {
-        *self = Self { kept: Some(kept), answered: None };
+    /// It stays held, and waits for another answer.
+    pub const fn hold_on(&mut self, reason: HoldReason) {
+        *self = Self { reason: Some(reason), answered: None };
     }
 
-    /// Why a line is kept, if one is.
-    pub const fn kept(&self) -> Option<Kept> {
-        self.kept
+    /// Why a line is held, if one is.
+    pub const fn reason(&self) -> Option<HoldReason> {
+        self.reason
     }
 
-    /// No line is kept any more.
-    pub const fn take(&mut self) -> Option<Kept> {
+    /// No line is held any more.
+    pub const fn take(&mut self) -> Option<HoldReason> {
         self.answered = None;
-        self.kept.take()
+        self.reason.take()
     }
 
-    /// Notes the answers for a kept line: M108, and M24, M602 or M876.
+    /// Notes the answers for a held line: M108, and M24, M602 or M876.
     pub const fn note_answers(&mut self, go_on: bool, resume: bool) {
-        if self.kept.is_none() {
+        if self.reason.is_none() {
             return;
         }
         if resume {
@@ -74,10 +74,10 @@ impl KeptLine {
         }
     }
 
-    /// How the kept line continues, if that is known by now. If nothing is paused, the print has ended in the meantime.
+    /// How the held line continues, if that is known by now. If nothing is paused, the print has ended in the meantime.
     pub fn take_answer(&mut self, now: Instant, is_paused: bool) -> Option<Answered> {
-        match self.kept? {
-            Kept::User(Some(until)) if now >= until => Some(Answered::GoOn),
+        match self.reason? {
+            HoldReason::User(Some(until)) if now >= until => Some(Answered::GoOn),
             _ if !is_paused => Some(Answered::GoOn),
             _ => self.answered.take(),
         }
