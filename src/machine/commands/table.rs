@@ -17,8 +17,8 @@ use crate::machine::bed::{
     screw_levelling, screw_place, servo,
 };
 use crate::machine::heat::{
-    cold_limit, controller_fan, fan_off, fan_speed, fan_turns, heat_targets, heater_model, heater_self_test,
-    heater_tuning, heaters_reached, power_off, temperatures,
+    cold_limit, controller_fan, fan_speed, fan_turns, heat_targets, heater_model, heater_self_test, heater_tuning,
+    heaters_reached, power_off, temperatures,
 };
 use crate::machine::homing::home;
 use crate::machine::interrupt::Interrupt;
@@ -137,8 +137,7 @@ list! {
         driver_mode,
         dwell,
         endstops,
-        fan_off,
-        fan_speed,
+        fan_speed(SPEED, OFF),
         feed_percent,
         hand_screws,
         heat_targets(HOTEND, BED, CHAMBER),

@@ -1,6 +1,6 @@
 //! M710: the fan of the controller.
 
-use super::fans::FULL;
+use super::fan_speed::FULL;
 use super::{Answer, Entry, MainLoop, PortSet, States, TableCommand, Wake};
 use crate::gcode::Grammar;
 use crate::machine::reports::heat_settings_report::report_controller_fan;

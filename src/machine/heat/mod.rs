@@ -5,14 +5,12 @@
 //! | [`heating`] | targets, and the waits for them |
 //! | [`reached`] | whether a target is reached, and whether a heater still gets warmer |
 //! | [`tuning`], [`self_test`] | what lasts for minutes |
-//! | [`heater_settings`], [`fans`] | the words that several commands have |
+//! | [`heater_settings`] | the words that several commands have |
 
 pub(in crate::machine) mod cold_limit;
 pub(in crate::machine) mod controller_fan;
-pub(in crate::machine) mod fan_off;
 pub(in crate::machine) mod fan_speed;
 pub(in crate::machine) mod fan_turns;
-pub(in crate::machine) mod fans;
 pub(in crate::machine) mod heat_targets;
 pub(in crate::machine) mod heater_model;
 pub(in crate::machine) mod heater_self_test;

@@ -6,7 +6,7 @@ use super::place::named_place;
 use crate::connectors::Heater;
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::reply_writer::{Progress, ReplyWriter};
-use crate::machine::answers::words::Facts;
+use crate::machine::answers::words::{Facts, Words};
 use crate::machine::hosts::schedule::Report;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
@@ -36,7 +36,7 @@ impl<'m, P: PortSet, W: Wake> MainLoop<'m, P, W> {
     /// Says lines to the host being served, at once: they go ahead of what waits for room. Between two answers there is
     /// room for 1024 bytes of them. So a command says what it has to say on its way, and an answer of few lines.
     pub fn tell(&mut self, words: impl Fn(&mut ReplyWriter<'_>, &Facts<'_>)) {
-        self.write_ahead(&Answer::Words(&words));
+        self.write_ahead(&words);
     }
 
     /// Says a line in the same way.
@@ -45,10 +45,10 @@ impl<'m, P: PortSet, W: Wake> MainLoop<'m, P, W> {
     }
 
     #[inline(never)]
-    fn write_ahead(&mut self, answer: &Answer<'_>) {
+    fn write_ahead(&mut self, words: &dyn Words) {
         self.progress = Progress::default();
         self.hosts.output().0.go_ahead(true);
-        let is_told = self.write(answer);
+        let is_told = self.write(&Answer::Words(words));
         debug_assert!(is_told, "no command tells more than there is room for");
         self.hosts.output().0.go_ahead(false);
     }
