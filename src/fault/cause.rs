@@ -67,6 +67,10 @@ pub enum Cause {
     /// Cold, it reads otherwise than the other cold heater; the limit is what that one reads. No fault: it refuses to
     /// heat.
     SensorsDiffer = 26,
+    /// Heat that goes in shows no longer; value and limit are the rise that was found and the least one, in 3 s.
+    HeatMissing = 27,
+    /// It is off and cools too slowly; the limit is where it would be without a leak.
+    StaysWarm = 28,
 }
 
 impl Cause {
@@ -104,7 +108,9 @@ impl Cause {
             Self::Supply => Some(Self::Driver),
             Self::Driver => Some(Self::InterruptStorm),
             Self::InterruptStorm => Some(Self::SensorsDiffer),
-            Self::SensorsDiffer => None,
+            Self::SensorsDiffer => Some(Self::HeatMissing),
+            Self::HeatMissing => Some(Self::StaysWarm),
+            Self::StaysWarm => None,
         }
     }
 
@@ -133,7 +139,7 @@ impl Cause {
     /// What it tells of a heater's switch.
     const fn heat(self) -> Heat {
         match self {
-            Self::TooHot | Self::HeatsWhileOff | Self::Overshoot => Heat::On,
+            Self::TooHot | Self::HeatsWhileOff | Self::Overshoot | Self::StaysWarm => Heat::On,
             Self::SensorOpen
             | Self::SensorShort
             | Self::TooCold
@@ -142,6 +148,7 @@ impl Cause {
             | Self::SensorsSwapped
             | Self::HeatsTooSlowly
             | Self::TemperatureLost
+            | Self::HeatMissing
             | Self::Reference
             | Self::ConverterStopped => Heat::Hidden,
             Self::FanFailed
@@ -189,6 +196,8 @@ impl Cause {
             Self::Driver => packed!("motor driver"),
             Self::InterruptStorm => packed!("came without end (interrupt storm), masked"),
             Self::SensorsDiffer => packed!("cold, and reads otherwise than the other cold heater"),
+            Self::HeatMissing => packed!("its heat shows no longer, sensor or heater loose?"),
+            Self::StaysWarm => packed!("stays warm while switched off"),
         }
     }
 
@@ -218,6 +227,12 @@ impl Cause {
             Self::Reference => packed!("measure the board's 3.3 V; no sensor's wire may touch 24 V"),
             Self::SelfTest => packed!("check which plug is where, set its power (M306 E# P), then SELF_TEST"),
             Self::SensorsDiffer => packed!("set the kind of each sensor (thermistor), or let both get as warm"),
+            Self::HeatMissing => {
+                packed!("see that sensor and heater sit firmly; if all is well, M303 E# U1 finds its model")
+            }
+            Self::StaysWarm => {
+                packed!("unplug the heater, its switch leaks; if it is cold then, replace the board's output")
+            }
             Self::Supply => packed!("check the power supply and its wires"),
             Self::Driver => packed!("M122 tells which"),
             Self::ConverterStopped | Self::SettingsDamaged | Self::ClockFailed => {
@@ -247,7 +262,9 @@ impl Cause {
             | Self::HeatsWhileOff
             | Self::Overshoot
             | Self::SelfTest
-            | Self::SensorsDiffer => Subject::Heater,
+            | Self::SensorsDiffer
+            | Self::HeatMissing
+            | Self::StaysWarm => Subject::Heater,
             Self::FanFailed => Subject::Fan,
             Self::Reference
             | Self::ConverterStopped
@@ -267,8 +284,10 @@ impl Cause {
     /// The side of its limit that was left, if its value and limit are degrees.
     const fn limit(self) -> Option<Limit> {
         match self {
-            Self::TooHot | Self::HeatsWhileOff | Self::Overshoot => Some(Limit::AtMost),
-            Self::TooCold | Self::HeatsTooSlowly | Self::TemperatureLost | Self::SelfTest => Some(Limit::AtLeast),
+            Self::TooHot | Self::HeatsWhileOff | Self::Overshoot | Self::StaysWarm => Some(Limit::AtMost),
+            Self::TooCold | Self::HeatsTooSlowly | Self::TemperatureLost | Self::SelfTest | Self::HeatMissing => {
+                Some(Limit::AtLeast)
+            }
             Self::SensorOpen
             | Self::SensorShort
             | Self::SensorFlickers
@@ -427,7 +446,7 @@ mod tests {
         let count = Cause::all().count() as u8;
         assert_eq!([Cause::of(0), Cause::of(count + 1)], [None; 2]);
         // Decoders know every variant, so `next` lacks no cause.
-        assert_eq!(postcard::from_bytes(&[count - 1]), Ok(Cause::SensorsDiffer));
+        assert_eq!(postcard::from_bytes(&[count - 1]), Ok(Cause::StaysWarm));
         assert!(postcard::from_bytes::<Cause>(&[count]).is_err());
     }
 }

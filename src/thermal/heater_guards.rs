@@ -1,6 +1,7 @@
 //! The guards of one heater, and their inputs.
 
-use super::guard::{Alarm, AtTarget, Floor, Frozen, Gain, HeatBalance, Numbers, Seen, UnderWay, WhileOff};
+use super::guard::{Alarm, AtTarget, Floor, Frozen, Gain, HeatBalance, Leak, MissingHeat, Numbers, Seen};
+use super::guard::{UnderWay, WhileOff};
 use crate::connectors::Heater;
 use crate::settings::HeaterSettings;
 use crate::units::{Celsius, Power, Ratio};
@@ -55,8 +56,10 @@ pub struct HeaterGuards {
     smooth: Option<Celsius>,
     gain: Gain,
     balance: HeatBalance,
+    missing: MissingHeat,
     at_target: AtTarget,
     while_off: WhileOff,
+    leak: Leak,
     frozen: Frozen,
 }
 
@@ -69,21 +72,30 @@ impl HeaterGuards {
             smooth: None,
             gain: Gain::new(),
             balance: HeatBalance::new(settings),
+            missing: MissingHeat::new(),
             at_target: AtTarget::new(),
             while_off: WhileOff::new(),
+            leak: Leak::new(),
             frozen: Frozen::new(),
         }
     }
 
-    /// Sets other numbers. Observations still count; otherwise settings that keep coming would delay every alarm.
+    /// Sets other numbers. Observations still count; otherwise settings that keep coming would delay every alarm. Only
+    /// what was learned of another model does not.
     pub fn configure(&mut self, settings: &HeaterSettings) {
+        let before = self.balance.numbers().of_heat();
         self.balance.configure(settings);
+        if self.balance.numbers().of_heat() != before {
+            self.missing = MissingHeat::new();
+        }
     }
 
     /// Ends all episodes, because there is no reading. Given power still counts.
     pub fn end(&mut self) {
         self.smooth = None;
         (self.at_target, self.while_off, self.frozen) = (AtTarget::new(), WhileOff::new(), Frozen::new());
+        self.missing.end();
+        self.leak = Leak::new();
     }
 
     /// Follows the power of a period without a reading.
@@ -138,12 +150,22 @@ impl HeaterGuards {
         let is_heated = is_believed && !seen.is_settled;
         // A heater that was just switched off still has the duty of the last period, and no task.
         let given = if now.aim == Aim::Off { 0 } else { now.duty };
+        let n = self.balance.numbers();
+        let leaving = n.leaving(now.fan, now.filament);
+        let (missing, leak) = if self.floor.is_quick {
+            let missing = self.missing.look(n, hold.is_some(), &seen, now.power, leaving);
+            (missing, self.leak.look(n, self.missing.shown(), &seen, leaving))
+        } else {
+            (None, None)
+        };
         let found = [
+            leak,
+            missing,
             self.while_off.look(settings.guards.off_rise, &seen),
             self.at_target.look(&settings.guards, self.floor, hold, &seen),
             self.frozen.look(self.floor, [hold, goal], &seen),
             self.gain.look(self.floor, goal, smooth, (given, now.most)),
-            self.balance.look(is_heated, &seen, now.power, now.fan, now.filament),
+            self.balance.look(is_heated, &seen, now.power, leaving),
         ];
         let is_worst = |alarm: &&Alarm| alarm.cause.is_stuck_on();
         let mut alarms = found.iter().flatten();

@@ -28,7 +28,7 @@ fn f08_an_open_heater_is_found() {
     break_it(&printer, |faults| faults.hotend_heater = HeaterFault::OPEN);
     let (cause, time) = until_off(&mut printer, 60.0);
     println!("hotend opens at 215 C: {cause:?} after {time:.1} s");
-    assert_eq!((cause, time <= 20.0), (Cause::TemperatureLost, true), "{time}");
+    assert_eq!((cause, time <= 20.0), (Cause::HeatMissing, true), "{time}");
 }
 
 #[test]

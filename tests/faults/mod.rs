@@ -9,6 +9,7 @@ mod heartbeats;
 mod heaters;
 mod latch;
 mod lives;
+mod loose;
 mod quiet;
 mod refusals;
 mod rest;

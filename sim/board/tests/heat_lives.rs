@@ -338,7 +338,8 @@ enum Must {
 }
 
 /// The required result of each accident (docs/explanation/safety.md). One that is not here must be found.
-const HARMLESS: [&str; 4] = ["late", "weak", "loose", "fan-dead"];
+/// A leak below 60 C, next to a hot bed or of a bed keeps it warm, and no guard asks why.
+const HARMLESS: [&str; 5] = ["late", "weak", "loose", "leaky", "fan-dead"];
 
 const fn is_of_hotend_and_bed(row: &Row) -> bool {
     matches!(row.does, Does::Machine(_))
@@ -419,7 +420,9 @@ fn what_breaks_in_a_life_is_found() {
         for row in ROWS.iter().filter(|row| matches!(row.family, Family::Heat | Family::Supply)) {
             let heaters: &[Heater] =
                 if is_of_hotend_and_bed(row) { &[Heater::Hotend] } else { &[Heater::Hotend, Heater::Bed] };
-            cases.extend(heaters.iter().map(|heater| (row, *heater, 1000 + seed)));
+            let is_of_heater = matches!(row.does, Does::Sensor(_) | Does::Heater(_));
+            let has = |heater: &&Heater| !is_of_heater || row.names().any(|name| name == heater.name());
+            cases.extend(heaters.iter().filter(has).map(|heater| (row, *heater, 1000 + seed)));
         }
     }
     let ends: Vec<_> = cases.par_iter().map(|(row, heater, seed)| break_in_a_life(row, *heater, *seed)).collect();

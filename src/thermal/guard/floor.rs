@@ -87,6 +87,8 @@ pub struct Floor {
     pub settling: [u32; 2],
     /// Greatest permitted distance above a reached target.
     pub overshoot: Celsius,
+    /// Whether its heat shows within seconds: only a hotend's does.
+    pub is_quick: bool,
 }
 
 impl Floor {
@@ -105,6 +107,7 @@ impl Floor {
             holds_still: false,
             settling: [periods(1), periods(30)],
             overshoot: Celsius::const_from_int(15),
+            is_quick: true,
         };
         /// A mat under a thick plate lags by 10 to 60 s.
         const BED: Floor = Floor {
@@ -118,6 +121,7 @@ impl Floor {
             holds_still: true,
             settling: [periods(10), periods(300)],
             overshoot: Celsius::const_from_int(15),
+            is_quick: false,
         };
         /// Air, and walls that warm behind it.
         const CHAMBER: Floor = Floor {
@@ -132,6 +136,7 @@ impl Floor {
             holds_still: true,
             settling: [periods(20), periods(600)],
             overshoot: Celsius::const_from_int(15),
+            is_quick: false,
         };
         match heater {
             Heater::Hotend => &HOTEND,

@@ -36,7 +36,7 @@ pub struct HeatBalance {
     balance: Episode<(), Balance>,
 }
 
-/// Numbers from the settings. They are part of the settings' sum, which finds failing memory.
+/// Numbers from the settings. They are part of the settings' sum, which finds failing memory. Guards of heat share them.
 #[derive(Clone, Copy, Debug, Hash)]
 pub struct Numbers {
     /// The fraction of the heat that must be found.
@@ -47,7 +47,11 @@ pub struct Numbers {
     /// Control periods of a balance.
     length: u32,
     /// Fraction of the heat that arrives in a period.
-    arrival: I0F32,
+    pub(super) arrival: I0F32,
+    /// K in a period for each W.
+    pub(super) warming: I0F32,
+    /// The heater's power at its greatest permitted duty.
+    pub(super) most: Power,
 }
 
 /// The observations of this balance.
@@ -70,7 +74,23 @@ impl Numbers {
         let [loss, fan_loss] = [loss, fan_loss].map(|loss| I8F24::from_bits(saturated(loss.to_bits().into())));
         let length = periods(LEAST_S).max(periods_of_lags(LAGS, &settings.model));
         let arrival = part_per_period(settings.model.lag());
-        Self { least: settings.guards.heating, capacity, loss, fan_loss, length, arrival }
+        let joules = i64::from(capacity.to_bits()).max(1 << 14) * i64::from(RATE);
+        let warming = I0F32::from_bits(saturated((1 << 48) / joules));
+        let most = settings.power.part(settings.max_duty.min(Ratio::ONE));
+        Self { least: settings.guards.heating, capacity, loss, fan_loss, length, arrival, warming, most }
+    }
+
+    /// Heat that leaves the mass for each K: to the room, to the part fan's air, and to the filament.
+    pub fn leaving(&self, fan: Ratio, filament: I8F24) -> I8F24 {
+        let fan = I8F24::from_bits(saturated(
+            (i64::from(self.fan_loss.to_bits()) * i64::from(fan.to_bits())) >> Ratio::FRAC_NBITS,
+        ));
+        self.loss.saturating_add(fan).saturating_add(filament)
+    }
+
+    /// Those of heat: capacity, losses, lag and power.
+    pub const fn of_heat(&self) -> (I0F32, I8F24, I8F24, I0F32, Power) {
+        (self.warming, self.loss, self.fan_loss, self.arrival, self.most)
     }
 
     /// Heat for such a rise, in J times 50 with 20 fractional bits.
@@ -98,9 +118,9 @@ impl HeatBalance {
         &self.numbers
     }
 
-    /// Follows a control period: whether heat is on its way, the readings, the given power, the part fan, the filament
-    /// in W/K.
-    pub fn look(&mut self, is_heated: bool, seen: &Seen, power: Power, fan: Ratio, filament: I8F24) -> Option<Alarm> {
+    /// Follows a control period: whether heat is on its way, the readings, the given power, and the heat that leaves
+    /// for each K ([`Numbers::leaving`]).
+    pub fn look(&mut self, is_heated: bool, seen: &Seen, power: Power, leaving: I8F24) -> Option<Alarm> {
         let (n, measured) = (&self.numbers, seen.measured);
         let begin = || Balance { begun_at: measured, left: 0, arriving: Power::ZERO, given: 0, lost: 0, most: 0 };
         let balance = self.balance.follow(is_heated.then_some(()), begin)?;
@@ -108,10 +128,6 @@ impl HeatBalance {
             // The heat on its way goes on from the last balance: it was given there, and is found here.
             *balance = Balance { left: n.length, arriving: balance.arriving, ..begin() };
         }
-        let fan = I8F24::from_bits(saturated(
-            (i64::from(n.fan_loss.to_bits()) * i64::from(fan.to_bits())) >> Ratio::FRAC_NBITS,
-        ));
-        let leaving = n.loss.saturating_add(fan).saturating_add(filament);
         let lost = driven(measured.saturating_sub(COLDEST_ROOM), leaving).max(Power::ZERO);
         let more = times(power.saturating_sub(balance.arriving), n.arrival);
         balance.arriving = balance.arriving.saturating_add(more);
@@ -177,7 +193,8 @@ mod tests {
             block += (arriving - 0.147 * (block - 7.0)) / (13.4 * 50.0);
             reading += (block - reading) / (1.65 * 50.0);
             let seen = Seen { duty: 1, ..Seen::quiet(Celsius::from_num(reading)) };
-            let found = guard.look(true, &seen, Power::from_num(watt), Ratio::ZERO, I8F24::ZERO);
+            let leaving = guard.numbers().leaving(Ratio::ZERO, I8F24::ZERO);
+            let found = guard.look(true, &seen, Power::from_num(watt), leaving);
             assert_eq!(found, None, "after {n} periods, at {reading:.1} C");
         }
     }

@@ -5,8 +5,10 @@
 //! | [`Window`] | readings that no working machine has; some only refuse to heat | always |
 //! | [`Gain`] | a heater or sensor that is loose or open, whatever the settings | while it heats |
 //! | [`HeatBalance`] | the same, sooner, and a heater that is too weak for its model | while it heats |
+//! | [`MissingHeat`] | a hotend's heat that no longer shows: its sensor or its cartridge has come loose | it heats hard |
 //! | [`AtTarget`] | a reached temperature that is lost, or overshot without power | with a target |
 //! | [`WhileOff`] | a switch that does not switch off | without power |
+//! | [`Leak`] | a hotend's switch that leaks | without power, and warm |
 //! | [`Frozen`] | a reading that does not change | power has changed, or it must go on to rise |
 //! | [`Swapped`] | sensors or heaters that are swapped | while one of them heats |
 //! | [`FanTurns`] | a driven fan that does not turn | its connector has a tachometer; none yet (`fan_turns`) |
@@ -27,8 +29,9 @@
 //! | [`Frozen`] | a reading | a reading that moves; a sensor that is broken while off |
 //! | [`Gain`] | power | a gain of 2 C; power that is off for four times as long |
 //! | [`HeatBalance`] | power | the arrival of all heat; something cold; M303 and self-test, which ignore the model |
+//! | [`MissingHeat`] | a reading | no reading; what a heating has shown counts until another model comes |
 //! | [`AtTarget`] | a target | another target, off, M303, a self-test, a fault |
-//! | [`WhileOff`] | the arrival of all heat | power |
+//! | [`WhileOff`], [`Leak`] | the arrival of all heat | power |
 //! | [`Swapped`] | power from the cold, or alone | less than half of the power |
 //! | [`Cold`] | no power for hotend and bed | power of one, or no reading |
 //!
@@ -55,6 +58,8 @@ mod fan_turns;
 mod floor;
 mod frozen;
 mod heat_balance;
+mod leak;
+mod missing_heat;
 mod reference;
 mod swapped;
 mod under_way;
@@ -68,6 +73,8 @@ pub use fan_turns::{FanTurns, turns_a_minute};
 pub use floor::{Floor, Gain};
 pub use frozen::Frozen;
 pub use heat_balance::{HeatBalance, Numbers};
+pub use leak::Leak;
+pub use missing_heat::MissingHeat;
 pub use reference::Reference;
 pub use swapped::Swapped;
 pub use under_way::UnderWay;

@@ -150,6 +150,8 @@ const HEATERS: Places = Places::Named(&[
     ("chamber", Place::Heater(Heater::Chamber)),
 ]);
 
+const HOTEND: Places = Places::Named(&[("hotend", Place::Heater(Heater::Hotend))]);
+
 const FANS: Places = Places::Named(&[("hotend", Place::HotendFan), ("part", Place::PartFan)]);
 
 const MACHINE: Places = Places::Named(&[("machine", Place::Machine)]);
@@ -187,7 +189,7 @@ const fn belts(word: &'static str, places: Places, how: How, can_end: bool, wear
 
 /// Every accident. Without a HOW, forces, cords and teeth are assumed: 10 N at a screw, half of the cords, one tooth,
 /// and friction of 15 N, a quarter of what a motor holds.
-pub const ROWS: [Row; 28] = [
+pub const ROWS: [Row; 30] = [
     sensor("open", SensorFault::Open, "a wire of the sensor is off"),
     sensor("short", SensorFault::ShortToGround, "the sensor is shorted to ground"),
     sensor("frozen", SensorFault::Frozen, "the reading does not change any more"),
@@ -201,10 +203,17 @@ pub const ROWS: [Row; 28] = [
         SensorFault::Slipped { lag_seconds: 10.0 },
         "the sensor is out of its hole and reads the room, 10 s late",
     ),
+    heat(
+        "leaves",
+        HOTEND,
+        Does::Sensor(SensorFault::Leaves { share: 0.0, seconds: 60.0 }),
+        "the sensor leaves its hole within a minute",
+    ),
     sensor("late", SensorFault::ExtraLag { lag_seconds: 20.0 }, "the sensor sits loosely: 20 s later"),
     heater("no-heat", HeaterFault::OPEN, "the heater is open"),
-    heater("weak", HeaterFault { power: 0.25, stuck_on: false }, "the heater has a quarter of its power"),
+    heater("weak", HeaterFault { power: 0.25, ..HeaterFault::NONE }, "the heater has a quarter of its power"),
     heater("stuck-on", HeaterFault::STUCK_ON, "the heater's switch does not switch off"),
+    heater("leaky", HeaterFault::LEAKY, "the heater's switch leaks three tenths of its power"),
     heat("fan-dead", FANS, Does::FanDead, "the fan stands still"),
     machine("converter", |faults| faults.converter_stopped = true, "no more readings come"),
     machine("channels", |faults| faults.channels_slipped = true, "readings are off by one place"),

@@ -35,6 +35,20 @@ pub enum SensorFault {
         /// s.
         lag_seconds: f64,
     },
+    /// It leaves its hole in `seconds`, and shows the room from then on by all but `share` of the rise above it.
+    Leaves {
+        /// What it shows of the rise at the end: 0 is out.
+        share: f64,
+        /// s.
+        seconds: f64,
+    },
+    /// Resistance of its plug, which grows in `seconds`.
+    Series {
+        /// Ohm at the end.
+        ohm: f64,
+        /// s.
+        seconds: f64,
+    },
     /// A thermistor of 10 kOhm at 25 C instead of 100 kOhm: a tenth of the resistance at any temperature.
     TenKiloOhm,
 }
@@ -46,15 +60,21 @@ pub struct HeaterFault {
     pub power: f64,
     /// Its switch conducts at any duty. Without supply (PS_ON) it is off all the same.
     pub stuck_on: bool,
+    /// The part of full power that its switch leaks at any duty.
+    pub leaks: f64,
+    /// The part of its contact with what it heats: a cartridge that slides out has less. Only of the hotend.
+    pub contact: f64,
 }
 
 impl HeaterFault {
     /// Nothing.
-    pub const NONE: Self = Self { power: 1.0, stuck_on: false };
+    pub const NONE: Self = Self { power: 1.0, stuck_on: false, leaks: 0.0, contact: 1.0 };
     /// No current flows.
-    pub const OPEN: Self = Self { power: 0.0, stuck_on: false };
+    pub const OPEN: Self = Self { power: 0.0, ..Self::NONE };
     /// The switch conducts always.
-    pub const STUCK_ON: Self = Self { power: 1.0, stuck_on: true };
+    pub const STUCK_ON: Self = Self { stuck_on: true, ..Self::NONE };
+    /// Three tenths of the current flow always.
+    pub const LEAKY: Self = Self { leaks: 0.3, ..Self::NONE };
 }
 
 /// Everything that a test may break, and the surroundings that it may change.
@@ -91,6 +111,8 @@ pub struct PlantFaults {
     pub supply_volts: f64,
     /// The room's temperature, C.
     pub ambient_celsius: f64,
+    /// A draught: the hotend's block loses so many times as much to the air.
+    pub draught: f64,
 }
 
 impl PlantFaults {
@@ -131,6 +153,7 @@ impl PlantFaults {
             vdda_volts: constants.converter.vdda_volts,
             supply_volts: constants.supply_volts,
             ambient_celsius: constants.ambient_celsius,
+            draught: 1.0,
         }
     }
 }

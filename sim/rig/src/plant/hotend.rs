@@ -13,6 +13,10 @@ pub(super) struct HotendLoad {
     /// 0..=1.
     pub hotend_fan: f64,
     pub ambient_celsius: f64,
+    /// So many times as much goes to the air.
+    pub draught: f64,
+    /// The part of the cartridge's contact with the block that is left.
+    pub contact: f64,
 }
 
 /// Its temperatures, C.
@@ -36,13 +40,12 @@ impl Hotend {
     /// One explicit Euler step; short against the shortest time constant, which is the cartridge's second.
     pub(super) fn step(&mut self, c: &HotendConstants, load: &HotendLoad, seconds: f64) {
         let above = self.block - load.ambient_celsius;
-        let to_air = c.block_to_air_watt_per_kelvin
-            + c.block_to_air_rise_watt_per_kelvin_sq * above.max(0.0)
-            + c.part_fan_watt_per_kelvin * load.part_fan;
+        let still = c.block_to_air_watt_per_kelvin + c.block_to_air_rise_watt_per_kelvin_sq * above.max(0.0);
+        let to_air = still * load.draught + c.part_fan_watt_per_kelvin * load.part_fan;
         let filament = c.filament_joule_per_mm3_kelvin * load.flow_mm3_s.max(0.0);
         let sink_to_air = c.sink_to_air_watt_per_kelvin + c.hotend_fan_watt_per_kelvin * load.hotend_fan;
 
-        let into_block = c.cartridge_to_block_watt_per_kelvin * (self.cartridge - self.block);
+        let into_block = c.cartridge_to_block_watt_per_kelvin * load.contact * (self.cartridge - self.block);
         let into_sink = c.block_to_sink_watt_per_kelvin * (self.block - self.sink);
         let out_of_block = (to_air + filament) * above;
         let out_of_sink = sink_to_air * (self.sink - load.ambient_celsius);

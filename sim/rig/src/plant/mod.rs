@@ -129,6 +129,8 @@ impl Plant {
             part_fan: fan(drive.part_fan, self.faults.part_fan_broken),
             hotend_fan: fan(drive.hotend_fan, self.faults.hotend_fan_broken),
             ambient_celsius,
+            draught: self.faults.draught,
+            contact: self.faults.hotend_heater.contact,
         };
         let (c, f) = (&self.constants, &self.faults);
         for _ in 0..parts as u64 {

@@ -7,7 +7,7 @@ use super::faults::SensorFault;
 pub(super) struct Thermometer {
     /// The bead's temperature, C.
     bead: f64,
-    /// Time since a loose contact last opened, s.
+    /// Time since a loose contact last opened, or since the fault began, s.
     phase: f64,
     /// The frozen reading.
     frozen: Option<u16>,
@@ -23,6 +23,10 @@ impl Thermometer {
         let (around, lag) = match fault {
             SensorFault::Slipped { lag_seconds } => (ambient, lag_seconds),
             SensorFault::ExtraLag { lag_seconds } => (hole, c.lag_seconds + lag_seconds),
+            SensorFault::Leaves { share, seconds } => {
+                let gone = (self.phase / seconds).min(1.0);
+                (hole + (ambient - hole) * (1.0 - share) * gone, c.lag_seconds)
+            }
             _ => (hole, c.lag_seconds),
         };
         self.bead += (around - self.bead) * (seconds / lag).min(1.0);
@@ -34,6 +38,7 @@ impl Thermometer {
                     self.phase -= period_seconds;
                 }
             }
+            SensorFault::Leaves { .. } | SensorFault::Series { .. } => self.phase += seconds,
             _ => self.phase = 0.0,
         }
         if fault != SensorFault::Frozen {
@@ -47,6 +52,7 @@ impl Thermometer {
             SensorFault::Open | SensorFault::ShortToSupply => return 1.0,
             SensorFault::ShortToGround => return 0.0,
             SensorFault::Intermittent { open_seconds, .. } if self.phase < open_seconds => return 1.0,
+            SensorFault::Series { ohm, seconds } => c.thermistor.ohm(self.bead) + ohm * (self.phase / seconds).min(1.0),
             SensorFault::TenKiloOhm => c.thermistor.ohm(self.bead) / 10.0,
             _ => c.thermistor.ohm(self.bead),
         };

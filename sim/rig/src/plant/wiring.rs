@@ -24,7 +24,7 @@ impl Plant {
             return [0.0; 3];
         }
         let f = &self.faults;
-        let conducts = |duty, fault: HeaterFault| if fault.stuck_on { 1.0 } else { unit(duty) };
+        let conducts = |duty, fault: HeaterFault| if fault.stuck_on { 1.0 } else { unit(duty).max(fault.leaks) };
         let mut duties = [conducts(drive.hotend, f.hotend_heater), conducts(drive.bed, f.bed_heater)];
         if f.swapped_heaters {
             duties.reverse();

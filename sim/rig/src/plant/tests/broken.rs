@@ -77,6 +77,44 @@ fn a_sensor_that_slipped_out_cools_to_the_room() {
 }
 
 #[test]
+fn a_sensor_that_leaves_its_hole_shows_a_share_of_the_rise() {
+    let mut plant = hot(200.0);
+    plant.faults().hotend_sensor = SensorFault::Leaves { share: 0.5, seconds: 600.0 };
+    run(&mut plant, &Drive { hotend: 0.35, ..Drive::IDLE }, 300);
+    let shown = |plant: &Plant, share: f64| 25.0 + share * (plant.hotend_celsius() - 25.0);
+    assert_near(sample(&mut plant), reads(shown(&plant, 0.75)), 64.0);
+    run(&mut plant, &Drive { hotend: 0.35, ..Drive::IDLE }, 600);
+    assert_near(sample(&mut plant), reads(shown(&plant, 0.5)), 64.0);
+}
+
+#[test]
+fn a_plug_that_corrodes_reads_colder() {
+    let mut plant = hot(200.0);
+    plant.faults().hotend_sensor = SensorFault::Series { ohm: 300.0, seconds: 60.0 };
+    run(&mut plant, &Drive { hotend: 0.35, ..Drive::IDLE }, 90);
+    let ohm = Thermistor::semitec_104gt2().ohm(plant.hotend_celsius()) + 300.0;
+    assert_near(sample(&mut plant), 65_536.0 * ohm / (ohm + 4700.0), 64.0);
+}
+
+#[test]
+fn a_cartridge_that_slides_out_gets_hot_and_its_block_does_not() {
+    let mut plant = hot(200.0);
+    plant.faults().hotend_heater.contact = 0.05 / 1.5;
+    run(&mut plant, &HEAT, 60);
+    assert!(plant.hotend_celsius() < 190.0 && plant.hottest_celsius() > 600.0, "{}", plant.hottest_celsius());
+}
+
+#[test]
+fn a_leaky_switch_heats_a_little_until_the_supply_goes() {
+    let mut plant = prototype();
+    plant.faults().hotend_heater = HeaterFault::LEAKY;
+    let watts =
+        |plant: &Plant, hotend: f64, supply_on: bool| plant.watts(&Drive { hotend, supply_on, ..Drive::IDLE })[0];
+    assert_near(watts(&plant, 0.0, true), 12.0, 1e-9);
+    assert_eq!([watts(&plant, 1.0, true), watts(&plant, 0.0, false)], [40.0, 0.0]);
+}
+
+#[test]
 fn a_badly_seated_sensor_lags() {
     let (mut good, mut bad) = (hot(200.0), hot(200.0));
     bad.faults().hotend_sensor = SensorFault::ExtraLag { lag_seconds: 18.8 };
