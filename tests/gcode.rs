@@ -287,7 +287,10 @@ const ANY_TEXT: [&[&str]; 5] = [
     // They must act in any case.
     &["M81", "M108", "M110", "M112", "M410", "M524", "M999"],
     // A text for people, a name or a version follows.
-    &["M0", "M1", "M28", "M29", "M115", "M117", "M118", "M486", "M600", "M601", "M862", "M876", "M125"],
+    &[
+        "M0", "M1", "M28", "M29", "M115", "M117", "M118", "M486", "M600", "M601", "M862", "M876", "M125", "M605",
+        "M1002",
+    ],
     // They take no words, so none can be misread.
     &["M24", "M25", "M75", "M77", "M105", "M114", "M119", "M122", "M500", "M501", "M502", "M503", "M504", "M602"],
     // They are answered and not carried out.

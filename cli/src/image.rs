@@ -6,7 +6,7 @@ use anyhow::{Context as _, Result, bail};
 use clap::Args;
 use corehbot::connectors::BoardConnectors;
 use corehbot::storage::Receipt;
-use corehbot_host::image::{board_called, board_in, clear, put, set_board};
+use corehbot_host::image::{board_called, board_in, clear, put, put_owner_texts, set_board};
 use corehbot_host::input;
 use corehbot_host::output::Outputs;
 use corehbot_host::say::say;
@@ -65,6 +65,8 @@ impl Prepared {
                 inputs.push(file.clone());
                 let mut machine = machine_file::read(file)?;
                 let receipt = put(&mut bytes, &mut machine.settings).with_context(|| file.display().to_string())?;
+                put_owner_texts(&mut bytes, &machine_file::body(&machine.texts))
+                    .with_context(|| file.display().to_string())?;
                 Some((machine, receipt))
             }
             None => {
@@ -83,7 +85,14 @@ impl Prepared {
         drop(to);
         outputs.keep()?;
         let machine = match &self.machine {
-            Some((machine, receipt)) => format!("{} {receipt}", machine.name.as_deref().unwrap_or("a machine")),
+            Some((machine, receipt)) => {
+                let texts = match machine.texts.len() {
+                    0 => String::new(),
+                    1 => ", 1 text".to_owned(),
+                    count => format!(", {count} texts"),
+                };
+                format!("{} {receipt}{texts}", machine.name.as_deref().unwrap_or("a machine"))
+            }
             None => "without a machine: it moves nothing before it gets one".to_owned(),
         };
         let (output, bytes, board) = (args.output.display(), self.bytes.len(), self.board.key);

@@ -38,7 +38,7 @@ use corehbot_sim::mesh_log::MeshLog;
 use corehbot_sim::tally::Figures;
 use corehbot_sim::trace::{Finished, TraceWriter};
 use corehbot_sim::vcd::VcdWriter;
-use corehbot_sim::world::{self, Desk, Outcome};
+use corehbot_sim::world::{self, Desk, Outcome, SimBoard};
 use std::fs::File;
 use std::io::{Seek as _, Write};
 use std::path::PathBuf;
@@ -169,6 +169,7 @@ impl Prepared {
         let start = Instant::now();
         let (homed, drivers) = (args.printer.assume_homed, Drivers::new());
         let mut desk = Desk::new(1);
+        desk.board = SimBoard::of(&machine.texts);
         desk.mesh_log = Some(Box::new(MeshLog::new(settings)));
         (desk.belt, desk.heat, desk.bed, desk.probe_accidents) = (belt, heat, bed, probe_accidents);
         let outcome = match &mut eeprom {

@@ -6,16 +6,30 @@
 use anyhow::{Context as _, Result, ensure};
 use corehbot::connectors::BoardConnectors;
 use corehbot::settings::Settings;
-use corehbot::storage::{BLOCK, MARK, Receipt, board_of, boards_of, choose_board, clear_machine, put_machine};
+use corehbot::storage::{
+    BLOCK, MARK, Receipt, TEXT_MARK, board_of, boards_of, choose_board, clear_machine, put_machine, put_texts,
+};
 use corehbot_boards as boards;
 use memchr::memmem;
 
-/// Takes the machine out of an image.
+/// Takes the machine and the owner's texts out of an image.
 ///
 /// # Errors
 /// If the bytes are not an image.
 pub fn clear(image: &mut [u8]) -> Result<()> {
     clear_machine(block_in(image)?);
+    put_owner_texts(image, &[])
+}
+
+/// Puts the owner's texts into an image, in place of others.
+///
+/// # Errors
+/// If it has no place for them, or they are too long.
+pub fn put_owner_texts(image: &mut [u8], body: &[u8]) -> Result<()> {
+    match only_place(image, &TEXT_MARK) {
+        Some(block) => ensure!(put_texts(block, body), "the texts are too long for an image"),
+        None => ensure!(body.is_empty(), "an image of earlier firmware: it has no place for texts"),
+    }
     Ok(())
 }
 
@@ -55,11 +69,15 @@ pub fn board_in(image: &mut [u8]) -> Result<&'static BoardConnectors> {
 
 /// The machine block of an image.
 fn block_in(image: &mut [u8]) -> Result<&mut [u8; BLOCK]> {
-    let mut places = memmem::find_iter(image, &MARK);
+    only_place(image, &MARK).context("not an image of this firmware: it has no place for a machine")
+}
+
+/// The block behind a mark, if an image has one with that mark.
+fn only_place<'i, const BYTES: usize>(image: &'i mut [u8], mark: &[u8]) -> Option<&'i mut [u8; BYTES]> {
+    let mut places = memmem::find_iter(&*image, mark);
     let (first, second) = (places.next(), places.next());
     let place = first.filter(|_| second.is_none());
-    let block = place.and_then(|at| image.get_mut(at..at + BLOCK)).and_then(|block| block.try_into().ok());
-    block.context("not an image of this firmware: it has no place for a machine")
+    place.and_then(|at| image.get_mut(at..at + BYTES)).and_then(|block| block.try_into().ok())
 }
 
 /// The board of that key, of those that are built.

@@ -75,6 +75,7 @@ fn read_machine(path: Option<&Path>) -> Result<Machine> {
             board: None,
             settings: Settings::prototype(),
             twin: Description::default(),
+            texts: Vec::new(),
         });
     };
     machine_file::read(path)

@@ -2,6 +2,7 @@
 
 use super::place::{self, Place};
 use crate::short::short;
+use crate::texts::{TEXTS, TextError};
 use corehbot::settings::{ConnectorError, MachineName, Plugged, SHEETS, SettingsError};
 use std::fmt::{self, Display};
 
@@ -82,6 +83,8 @@ pub enum MachineFileError {
         /// The problem.
         why: &'static str,
     },
+    /// A text of the owner.
+    Text(TextError),
     /// The board lacks a connector for a plugged-in part.
     Connectors(ConnectorError),
     /// The values do not go together.
@@ -151,6 +154,7 @@ impl Display for MachineFileError {
                 )
             }
             Self::Resolution { key, why } => write!(f, "{key}: {why}"),
+            Self::Text(error) => error.fmt(f),
             Self::Connectors(error) => error.fmt(f),
             Self::Settings(error) => error.fmt(f),
         }
@@ -181,6 +185,7 @@ impl MachineFileError {
                 | Self::TooLong { .. }
                 | Self::MotorName(_)
                 | Self::Name(_)
+                | Self::Text(_)
         )
     }
 
@@ -212,6 +217,7 @@ impl MachineFileError {
                 return keys.into_iter().flatten().last();
             }
             Self::Name(_) => "name".to_owned(),
+            Self::Text(error) => format!("{TEXTS}.{}", error.name),
             Self::Settings(SettingsError::OutOfRange(key)) => key.to_string(),
             Self::Settings(SettingsError::OutOfRangeBeside(key)) => (*key).to_owned(),
             Self::Settings(SettingsError::TooManySteps(table)) => format!("{table}.max_speed"),

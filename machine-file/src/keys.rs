@@ -1,5 +1,6 @@
 //! Keys: every key of a machine file, from the rows of all settings, and the few keys without a setting.
 
+use crate::texts::TEXTS;
 use corehbot::motors::MotorName;
 use corehbot::settings::ranges;
 use corehbot::settings::rows::{Legal, Row, Text, ValueKind};
@@ -86,7 +87,7 @@ const OTHERS: [Other; 3] = [
 ];
 
 /// The subject of each table.
-pub(crate) const TABLES: [(&str, &str); 42] = [
+pub(crate) const TABLES: [(&str, &str); 43] = [
     ("", "A machine of CoreH-bot firmware. What is left out is as in the prototype."),
     (
         "mechanism",
@@ -134,6 +135,11 @@ pub(crate) const TABLES: [(&str, &str); 42] = [
     ("sensors.probe", "The probe (P)."),
     ("fans", "Fan outputs."),
     ("guards", "Guards, which cannot be switched off."),
+    (
+        TEXTS,
+        "Lines of G-code with a name, up to 16: `NAME = \"G28\\nM109 S{EXTRUDER:200}\"`. START_PRINT and others replace what is \
+         built in. An image has room for 2,026 bytes of them.",
+    ),
     (
         TWIN,
         "The machine's belts, masses and motors, for `--plant belt` and `corehbot twin`. No board keeps them. Of a number for each \
@@ -229,6 +235,9 @@ pub(crate) fn names_in(table: &str, motors: &[MotorName]) -> Vec<String> {
         {
             names.push(name);
         }
+    }
+    if table.is_empty() {
+        names.push(TEXTS.to_owned());
     }
     names
 }

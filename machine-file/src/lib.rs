@@ -12,6 +12,7 @@
 //! |---|---|
 //! | [`file_kind`] | what a file is, by its content, and what to do with it |
 //! | `keys` | every key, and the subjects of tables |
+//! | [`texts`](body) | the owner's texts, and what is wrong with them |
 //! | `numbers`, `value`, `thermistor` | a value of TOML as a setting has it, and the reverse |
 //! | `reader`, `resolution` | a file to settings |
 //! | `written`, `template` | settings to a file, and a new one |
@@ -51,6 +52,7 @@ mod resolution;
 mod schema;
 pub mod short;
 pub mod template;
+mod texts;
 mod thermistor;
 mod translation;
 mod unreached;
@@ -71,6 +73,7 @@ pub use reference::reference;
 use resolution::resolution;
 pub use schema::schema;
 use std::path::Path;
+pub use texts::{NamedText, TextError, body};
 pub use translation::{Kind, OfKey, OfSection, Report, Translation, Verdict};
 pub use written::{keyed, written};
 
@@ -85,6 +88,8 @@ pub struct Machine {
     pub settings: Settings,
     /// Its belts, masses and motors, for the twin. No board keeps them.
     pub twin: Description,
+    /// The owner's texts. An image has them ([`body`]), and the memory of settings does not.
+    pub texts: Vec<NamedText>,
 }
 
 /// The machine of the file at `path`, which is its name unless it says another.
@@ -147,7 +152,7 @@ fn together(given: Given) -> Result<Machine, MachineFileError> {
     }
     s.check_machine().map_err(MachineFileError::Settings)?;
     s.check_connectors(given.board.unwrap_or(&BoardConnectors::ANY)).map_err(MachineFileError::Connectors)?;
-    Ok(Machine { name: given.name, board: given.board, settings: s, twin: given.twin })
+    Ok(Machine { name: given.name, board: given.board, settings: s, twin: given.twin, texts: given.texts })
 }
 
 #[cfg(test)]

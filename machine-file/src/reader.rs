@@ -2,6 +2,7 @@
 
 use crate::error::MachineFileError;
 use crate::keys::{self, BOARD, FULL_STEPS, Of, ROTATION_DISTANCE, find, is_table, join, names_in, numbered, routings};
+use crate::texts::{NamedText, TEXTS, checked};
 use crate::value;
 use corehbot::connectors::BoardConnectors;
 use corehbot::kinematics::SCREWS;
@@ -29,6 +30,8 @@ pub(crate) struct Given {
     pub numbers: BTreeMap<String, f64>,
     /// The machine for the belt's twin.
     pub twin: Description,
+    /// The owner's texts.
+    pub texts: Vec<NamedText>,
     /// Every key that was given.
     paths: Vec<String>,
     /// Errors, key by key.
@@ -56,6 +59,11 @@ impl Given {
     fn table(&mut self, table: &Table, path: &str) {
         for (name, toml) in table {
             let inner = join(path, name);
+            if inner == TEXTS {
+                self.paths.push(inner);
+                self.texts(toml);
+                continue;
+            }
             match (find(&numbered(&inner, &self.motors)), toml) {
                 (Some(known), _) => {
                     self.paths.push(inner.clone());
@@ -78,6 +86,23 @@ impl Given {
                 }),
             }
         }
+    }
+
+    /// The table of the owner's texts.
+    fn texts(&mut self, toml: &Toml) {
+        let Toml::Table(table) = toml else {
+            return self.errors.push(MachineFileError::kind(TEXTS, "a table of texts", toml));
+        };
+        let mut given = Vec::new();
+        for (name, toml) in table {
+            match toml {
+                Toml::String(text) => given.push((name.clone(), text.clone())),
+                other => self.errors.push(MachineFileError::kind(&join(TEXTS, name), "lines in quotes", other)),
+            }
+        }
+        let (texts, errors) = checked(&given);
+        self.texts = texts;
+        self.errors.extend(errors.into_iter().map(MachineFileError::Text));
     }
 
     fn key(&mut self, path: &str, of: Of, toml: &Toml) -> Result<(), MachineFileError> {

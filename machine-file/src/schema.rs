@@ -4,6 +4,7 @@
 use crate::keys::{
     ALL, BOARD, FULL_STEPS, OF_MOTOR, Of, Other, ROUTING_MEANING, about, fraction, named, names_of, routings, shortest,
 };
+use crate::texts::TEXTS;
 use crate::thermistor;
 use crate::value;
 use crate::written;
@@ -52,6 +53,11 @@ pub fn schema() -> Value {
         if let Some(path) = named(&known.path, &prototype::NAMES).filter(|_| !is_of_driver) {
             put(&mut root, &path, "", schema);
         }
+    }
+    let mut texts = table(TEXTS);
+    insert(&mut texts, "patternProperties", json!({ r"^[A-Z_][A-Z0-9_]{0,23}$": { "type": "string" } }));
+    if let Some(tables) = root.get_mut("properties").and_then(Value::as_object_mut) {
+        tables.insert(TEXTS.to_owned(), texts);
     }
     insert(&mut root, "$schema", json!("http://json-schema.org/draft-07/schema#"));
     insert(&mut root, "title", json!("Machine file of CoreH-bot firmware"));

@@ -122,7 +122,13 @@ impl Job {
     pub fn machine(&self) -> Result<Machine> {
         let Some(text) = &self.machine else {
             let (settings, twin) = (Settings::prototype(), Description::default());
-            return Ok(Machine { name: Some("CoreH-bot prototype".to_owned()), board: None, settings, twin });
+            return Ok(Machine {
+                name: Some("CoreH-bot prototype".to_owned()),
+                board: None,
+                settings,
+                twin,
+                texts: Vec::new(),
+            });
         };
         let name = &self.machine_file;
         let parsed = machine_file::parse(text);

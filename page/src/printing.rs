@@ -22,7 +22,7 @@ use corehbot_sim::mesh_log::MeshLog;
 use corehbot_sim::moves::{MadeMove, ShaperChange};
 use corehbot_sim::not_gcode::check_line;
 use corehbot_sim::trace::TraceWriter;
-use corehbot_sim::world::{self, Desk, HeatPeriod, Host, Sink};
+use corehbot_sim::world::{self, Desk, HeatPeriod, Host, SimBoard, Sink};
 use std::io::{self, Cursor};
 use std::sync::Arc;
 
@@ -69,6 +69,7 @@ pub fn print(job: &Job, gcode: Vec<u8>, tell: &mut dyn FnMut(f64, f64, f64)) -> 
     let mut host = Watched { host, tell, turns: 0 };
     let drivers = Drivers::new();
     let mut desk = Desk::new(1);
+    desk.board = SimBoard::of(&machine.texts);
     desk.mesh_log = Some(Box::new(MeshLog::new(settings)));
     (desk.belt, desk.heat, desk.bed, desk.probe_accidents) = (belt, heat, bed, probe_accidents);
     let outcome = world::run_at(&mut desk, settings, homed, NoStorage, &drivers, &mut [&mut host], &mut sinks);

@@ -17,7 +17,7 @@ use corehbot_machine_file::Machine;
 use corehbot_sim::accident::Accident;
 use corehbot_sim::drivers::Drivers;
 use corehbot_sim::user_actions::{self, Act};
-use corehbot_sim::world::{Desk, Sink, World};
+use corehbot_sim::world::{Desk, SimBoard, Sink, World};
 use serde::Serialize;
 use std::cell::{Cell, RefCell};
 use std::pin::Pin;
@@ -196,7 +196,7 @@ async fn until_asked() {
 /// Is a printer until it is switched off, and then a silent one.
 async fn session(prepared: Prepared, line: Rc<Line>) {
     let Prepared { machine, homed, mut belt, heat, mut bed, mut probe_accidents } = prepared;
-    let settings = machine.settings;
+    let (settings, board) = (machine.settings, SimBoard::of(&machine.texts));
     let drivers = Drivers::new();
     let mut place = homed.unwrap_or(corehbot_rig::AT_POWER_UP);
     let (mut start, mut now, mut plant) = (homed, 0, None);
@@ -204,7 +204,7 @@ async fn session(prepared: Prepared, line: Rc<Line>) {
         let mut desk = Desk::at(1, now);
         (desk.belt, desk.heat, desk.plant) = (belt.take(), heat.clone(), plant.take());
         (desk.bed, desk.probe_accidents) = (bed.take(), std::mem::take(&mut probe_accidents));
-        desk.is_strict = false;
+        (desk.board, desk.is_strict) = (board, false);
         let mut sink = Unseen;
         let mut world = World::standing(&mut desk, &settings, Some(place), start, NoStorage, &drivers, &mut sink);
         let (mut is_reset, mut is_off) = (false, false);

@@ -30,6 +30,7 @@ use crate::machine::main_loop::surface::{keep_to_surface, lay_mesh};
 use crate::machine::main_loop::trim::{end_buzz, end_trim};
 pub use crate::machine::ports::{PortSet, Ports};
 use crate::machine::print::job::{begin_another, end_job};
+use crate::machine::print::named_texts::next_line;
 use crate::machine::print::upload;
 use crate::machine::probe::touch::end_touch;
 use crate::machine::setup::kept_mesh::take_mesh_to_use;
@@ -152,14 +153,27 @@ impl<'m, P: PortSet, W: Wake> Console<'m, P, W> {
             if main_loop.job.take_cancel() {
                 apart(pin!(end_job(main_loop, &mut states.modal, JobEnd::Cancelled))).await?;
             }
+            let is_text = states.texts.is_running();
             let now = main_loop.turn_began();
-            if let Some(answered) = take_answer(&main_loop.hosts, &mut main_loop.job, now) {
+            if !is_text && let Some(answered) = take_answer(&main_loop.hosts, &mut main_loop.job, now) {
                 if let Some(answer) = take_up(main_loop, states, &held_text, answered).await? {
-                    reply_to(main_loop, answer).await?;
+                    end_or_go_on(main_loop, states, answer).await?;
                 }
                 continue;
             }
-            let Some(asked) = main_loop.next_line(table::parse, &mut text) else {
+            if states.texts.is_held() && main_loop.job.line().reason().is_none() {
+                // The host of the held line has opened its line again.
+                states.texts.stop();
+            }
+            main_loop.stream.note_text(is_text);
+            let asked = if is_text {
+                // Bytes of hosts are read between two lines.
+                main_loop.come_again();
+                main_loop.poll().await?;
+                if next_line(main_loop, states, &mut text) { Request::Command } else { Request::Nothing }
+            } else if let Some(asked) = main_loop.next_line(table::parse, &mut text) {
+                asked
+            } else {
                 main_loop.poll().await?;
                 continue;
             };
@@ -188,16 +202,18 @@ impl<'m, P: PortSet, W: Wake> Console<'m, P, W> {
             }
             if let Answer::Held = answer {
                 held_text.clone_from(&text);
+                states.texts.hold();
                 set_aside(&mut main_loop.hosts, &mut main_loop.pauses);
                 continue;
             }
-            reply_to(main_loop, answer).await?;
+            end_or_go_on(main_loop, states, answer).await?;
         }
     }
 
     /// M410, M524: motion slows down along its path and ends; the position stays true. M524 also ends the job.
     async fn quick_stop(&mut self) -> Result<(), Interrupt> {
         let Self { main_loop, states } = self;
+        states.texts.stop();
         main_loop.slow_down().await?;
         main_loop.drop_motion().await?;
         end_circulation(main_loop).await?;
@@ -236,6 +252,24 @@ fn tell_of_end<P: PortSet, W: Wake>(
     interrupt
 }
 
+/// A line was carried out: it is answered. If it is one of a text, or has called one, its `ok` comes at the text's end.
+async fn end_or_go_on<P: PortSet, W: Wake>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    states: &mut States,
+    answer: Answer<'_>,
+) -> Result<(), Interrupt> {
+    if !states.texts.is_running() {
+        return reply_to(main_loop, answer).await;
+    }
+    main_loop.pauses.end_command();
+    match answer {
+        Answer::Unknown(text) => main_loop.say(text!("echo:a text has an unknown command: \"{}\"", Echo(text))),
+        answer if answer.has_ok() => {}
+        answer => main_loop.reply(answer).await?,
+    }
+    Ok(())
+}
+
 /// Sends the answer to a line, and its `ok`.
 async fn reply_to<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
@@ -258,6 +292,8 @@ async fn take_up<'a, P: PortSet, W: Wake>(
     answered: Answered,
 ) -> Result<Option<Answer<'a>>, Interrupt> {
     let Some(held) = input::take_up(&mut main_loop.hosts, &mut main_loop.job) else { return Ok(None) };
+    states.texts.take_up();
+    main_loop.stream.note_text(states.texts.is_running());
     let answer = match go_on_with(main_loop, states, held, answered).await {
         Ok(Some(true)) => match carry_out(main_loop, states, &table::parse(text)).await {
             Ok(answer) => answer,
@@ -267,11 +303,14 @@ async fn take_up<'a, P: PortSet, W: Wake>(
         Ok(None) => Answer::Held,
         Err(Interrupt::EndJob) => {
             let why = main_loop.job.why_it_ends();
-            apart(pin!(end_job(main_loop, &mut states.modal, why))).await?
+            let answer = apart(pin!(end_job(main_loop, &mut states.modal, why))).await?;
+            states.texts.stop_if(main_loop.job.is_ended());
+            answer
         }
         Err(interrupt) => return Err(interrupt),
     };
     if let Answer::Held = answer {
+        states.texts.hold();
         set_aside(&mut main_loop.hosts, &mut main_loop.pauses);
         return Ok(None);
     }

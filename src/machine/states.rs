@@ -10,7 +10,10 @@ use crate::machine::state::machine_pieces::MachinePieces;
 use crate::machine::state::modal::Modal;
 use crate::machine::state::notices::Notices;
 use crate::machine::state::retraction::RetractionSettings;
+use crate::machine::state::running_texts::RunningTexts;
+use crate::machine::state::saved_states::SavedStates;
 use crate::port::Wake;
+use crate::units::Mm;
 
 /// Reports the clamped values to the host, and forgets them.
 pub(in crate::machine) fn tell_clamps<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>, clamps: &mut Clamps) {
@@ -38,6 +41,12 @@ pub(in crate::machine) struct States {
     pub(in crate::machine) cold: ColdExtrusion,
     /// The area that the print needs.
     pub(in crate::machine) area: PrintArea,
+    /// G60, SAVE_GCODE_STATE.
+    pub(in crate::machine) saved: SavedStates,
+    /// M603: lengths of filament that go in and come out.
+    pub(in crate::machine) filament: [Mm; 2],
+    /// The texts that are carried out.
+    pub(in crate::machine) texts: RunningTexts,
 }
 
 impl States {
@@ -51,6 +60,10 @@ impl States {
             pieces: MachinePieces::new(),
             cold: ColdExtrusion::new(),
             area: PrintArea::NONE,
+            saved: SavedStates::new(),
+            // Marlin's (Configuration_adv.h 2.1, `FILAMENT_CHANGE_UNLOAD_LENGTH`).
+            filament: [Mm::const_from_int(100); 2],
+            texts: RunningTexts::new(),
         }
     }
 

@@ -9,6 +9,11 @@ pub trait BoardFacts {
         &BoardConnectors::ANY
     }
 
+    /// The owner's texts, as [`storage`](crate::storage) has them in an image.
+    fn texts(&self) -> &'static [u8] {
+        &[]
+    }
+
     /// Why no motor may have power, independent of its driver: the board has no machine, or one for another board.
     fn refusal(&self) -> Option<&'static str> {
         None

@@ -4,6 +4,7 @@
 //! The scanner reads every byte in parallel with the line layer (idea: Marlin's emergency_parser.h). It ignores numbers
 //! and checksums, because a damaged stop is still meant. But it requires the start of a line and the end of the digits:
 //! M1125 and `M117 M112` are harmless. The line then also takes its turn in the queue and gets its reply there.
+//! RESUME and CANCEL_PRINT are M24 and M524 in Klipper's words.
 
 use super::framing::is_erasing;
 use super::syntax::is_blank;
@@ -41,6 +42,21 @@ impl Emergency {
     }
 }
 
+/// Names of emergencies.
+const NAMES: [(&[u8], Emergency); 2] = [(b"RESUME", Emergency::Resume), (b"CANCEL_PRINT", Emergency::Cancel)];
+
+/// The name that begins with this letter.
+const fn named(letter: u8) -> State {
+    let mut names: &[(&[u8], Emergency)] = &NAMES;
+    while let [([first, others @ ..], emergency), more @ ..] = names {
+        if letter.eq_ignore_ascii_case(first) {
+            return State::Name(others, *emergency);
+        }
+        names = more;
+    }
+    State::Other
+}
+
 /// The code of an answer; it needs S, because `M876 P1` means that the host can show questions.
 const ANSWER: u16 = 876;
 
@@ -59,6 +75,8 @@ enum State {
     Code(u16),
     /// M876, or blanks after it.
     Answer,
+    /// The begin of a name; these bytes are still to come.
+    Name(&'static [u8], Emergency),
     /// An emergency, complete; waits for the end of the line.
     Complete(Emergency),
     /// Anything else; waits for the end of the line.
@@ -85,7 +103,7 @@ impl Scanner {
     pub(super) const fn read(&mut self, byte: u8) -> Option<Emergency> {
         if matches!(byte, b'\n' | b'\r') {
             let found = match self.state {
-                State::Complete(emergency) => Some(emergency),
+                State::Complete(emergency) | State::Name([], emergency) => Some(emergency),
                 // Digits may go on up to the end of the line, so only now the code is whole.
                 State::Code(code) => Emergency::of(code),
                 _ => None,
@@ -105,6 +123,13 @@ impl Scanner {
             (_, byte) if is_erasing(byte) => State::Other,
             (State::Start | State::Numbered, b'M' | b'm') => State::Letter,
             (State::Start, b'N' | b'n') => State::Number,
+            (State::Start | State::Numbered, b'A'..=b'Z' | b'a'..=b'z') => named(byte),
+            // More behind it makes it another name.
+            (State::Name([], _), b'A'..=b'Z' | b'a'..=b'z' | b'0'..=b'9' | b'_') => State::Other,
+            (State::Name([], emergency), _) => State::Complete(emergency),
+            (State::Name([next, others @ ..], emergency), _) if byte.eq_ignore_ascii_case(next) => {
+                State::Name(others, emergency)
+            }
             (State::Number, b'-' | b'+') => State::Number,
             (State::Number | State::Numbered, b'0'..=b'9') => State::Numbered,
             (State::Letter, b'0'..=b'9') => State::Code((byte - b'0') as u16),

@@ -6,6 +6,8 @@
 //!
 //! An image has a place for its own record ([`machine_of`]): the machine of this board until another one is stored.
 //!
+//! Next to it an image has the owner's texts (`texts`), for which settings have no room.
+//!
 //! The last page has notes (`notes`): the last self-test of the heaters that was passed, and the load that a mm of
 //! strain takes of belt motors. `map` says where everything lies.
 
@@ -18,6 +20,7 @@ mod out;
 mod payload;
 mod record;
 mod slots;
+mod texts;
 
 pub use machine::{machine_in, record_of, stored_machine};
 pub use machine_block::{
@@ -32,3 +35,7 @@ pub use notes::{belt_loads, note_belt_loads, note_passed_test, passed_test};
 pub use payload::Unknown;
 pub use record::{FORMAT, LONGEST, Receipt, Rejected};
 pub use slots::{SaveError, Slot, Stored, Survey, is_present, save, save_with, survey, survey_with};
+pub use texts::{
+    Gap, LONGEST_TEXTS, MOST_VALUE, TEXT_BLOCK, TEXT_MARK, blank_texts, is_value, line_at, put_texts, split_at_gap,
+    text_named, texts_of,
+};

@@ -8,6 +8,7 @@
 static IMAGE: corehbot_stm32f446::wiring::Image = corehbot_stm32f446::wiring::Image {
     boards: const { &corehbot_boards::tables_of(corehbot_boards::NUCLEO) },
     block: const { &corehbot::storage::blank_block(&corehbot_boards::connectors_of(corehbot_boards::NUCLEO)) },
+    texts: const { &corehbot::storage::blank_texts() },
 };
 
 #[cfg(target_os = "none")]

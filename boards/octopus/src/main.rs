@@ -12,6 +12,7 @@ use corehbot_stm32f446::wiring::Image;
 static IMAGE: Image = Image {
     boards: const { &tables_of(OCTOPUS) },
     block: const { &corehbot::storage::blank_block(&connectors_of(OCTOPUS)) },
+    texts: const { &corehbot::storage::blank_texts() },
 };
 
 #[cfg(target_os = "none")]

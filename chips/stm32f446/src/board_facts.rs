@@ -9,6 +9,8 @@ use crate::supply;
 pub struct ThisBoard {
     /// Its connectors.
     pub connectors: &'static BoardConnectors,
+    /// The owner's texts in its image.
+    pub texts: &'static [u8],
     /// Why no motor gets power, if that is so.
     pub refusal: Option<&'static str>,
 }
@@ -16,6 +18,10 @@ pub struct ThisBoard {
 impl BoardFacts for ThisBoard {
     fn connectors(&self) -> &'static BoardConnectors {
         self.connectors
+    }
+
+    fn texts(&self) -> &'static [u8] {
+        self.texts
     }
 
     fn refusal(&self) -> Option<&'static str> {

@@ -117,7 +117,7 @@ fn make_ready(image: &'static Image, find: Find) -> (Handles, Option<UsbPort>, b
         motors: EnableLines::new(plugged, spare),
         drivers: Drivers::start(plugged),
         servo: ServoLine { is_there: plugged.servo.is_some() },
-        board: ThisBoard { connectors: board.connectors, refusal },
+        board: ThisBoard { connectors: board.connectors, texts: image.texts(), refusal },
         clock: BoardClock,
         storage,
         accelerometer: SpiSensor::new(board.accelerometer),

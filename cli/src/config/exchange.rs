@@ -69,6 +69,9 @@ pub(super) fn send(args: &Send) -> Result<u8> {
     let stored = stored.context("the board did not confirm that it stored it: does it run this firmware?")?;
     say(format_args!("{}: stored {}", args.file.display(), printable::line(stored)))?;
     mesh_news(&heard).try_for_each(|news| say(format_args!("{}", printable::line(news))))?;
+    if !machine.texts.is_empty() {
+        say(format_args!("its texts were not sent: a board has them in its image (corehbot image)"))?;
+    }
     Ok(DONE)
 }
 

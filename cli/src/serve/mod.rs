@@ -33,7 +33,7 @@ use corehbot_sim::heat_plant::HeatSetup;
 use corehbot_sim::trace::TraceWriter;
 use corehbot_sim::user_actions::Act;
 use corehbot_sim::wiring_mistakes::Plugs;
-use corehbot_sim::world::{Desk, Outcome, Sink, World};
+use corehbot_sim::world::{Desk, Outcome, SimBoard, Sink, World};
 use echo::Echo;
 use screen::Screen;
 use std::fs::File;
@@ -78,6 +78,7 @@ pub(crate) struct Serve {
 /// Everything that can be wrong before there is a printer.
 pub(crate) struct Prepared {
     settings: Settings,
+    board: SimBoard,
     belt: Option<Box<BeltPlant>>,
     heat: HeatSetup,
     bed: Option<Box<BedPlant>>,
@@ -97,7 +98,7 @@ impl Prepared {
         let machine = args.printer.machine()?;
         let breaks = args.accidents.read(&machine.settings, args.plant.has_belts())?;
         let belt = args.plant.belt(&machine, args.printer.assume_homed, &breaks)?;
-        let (name, settings) = (machine.name, machine.settings);
+        let (name, settings, board) = (machine.name, machine.settings, SimBoard::of(&machine.texts));
         let (heat, probe_accidents) = (args.heat.setup(&settings, breaks.heat)?, breaks.probe);
         let bed = args.bed.plant(&settings)?;
         let plugs = args.around.plugs(&settings)?;
@@ -113,12 +114,12 @@ impl Prepared {
             false => keep::eeprom(name.as_deref(), &settings),
         };
         let trace = TraceWriter::new(trace, (&settings).into());
-        Ok(Self { settings, belt, heat, bed, probe_accidents, plugs, eeprom, lock, trace, outputs, port, stop })
+        Ok(Self { settings, board, belt, heat, bed, probe_accidents, plugs, eeprom, lock, trace, outputs, port, stop })
     }
 
     /// Is a printer until a signal comes.
     pub fn run(self, args: &Serve) -> Result<u8> {
-        let Self { settings, mut belt, heat, mut bed, mut probe_accidents, plugs, .. } = self;
+        let Self { settings, board, mut belt, heat, mut bed, mut probe_accidents, plugs, .. } = self;
         let Self { mut eeprom, lock: _lock, mut trace, outputs, port, stop, .. } = self;
         println(format_args!("{}", port.path().display()))?;
         let drivers = Drivers::new();
@@ -142,7 +143,7 @@ impl Prepared {
             let mut desk = Desk::at(1, now);
             (desk.belt, desk.heat, desk.plant) = (belt.take(), heat.clone(), plant.take());
             (desk.bed, desk.probe_accidents) = (bed.take(), std::mem::take(&mut probe_accidents));
-            desk.is_strict = false;
+            (desk.board, desk.is_strict) = (board, false);
             desk.plugs.clone_from(&plugs);
             let mut sink = Later { trace: &mut trace, ticks: total.ticks };
             let mut world = match &mut eeprom {

@@ -43,6 +43,8 @@ pub struct Entry {
     pub key: String,
     /// The value; lines after the first one behind a line break.
     pub value: String,
+    /// The number of each line of the value in its file.
+    pub lines: Vec<usize>,
     /// Where it stands.
     pub at: At,
     /// The place of the entry that replaces it.
@@ -244,6 +246,7 @@ impl Reading {
                 entry.value.push('\n');
             }
             entry.value.push_str(words);
+            entry.lines.push(at.line);
             return;
         }
         if let Some(header) = words.strip_prefix('[') {
@@ -266,7 +269,8 @@ impl Reading {
             return self.wrong(at, format!("{:?} has no key", short(words)));
         }
         let is_saved = standing.is_saved;
-        self.config.entries.push(Entry { section, key, value, at, replaced: None, is_saved });
+        let lines = if value.is_empty() { Vec::new() } else { vec![at.line] };
+        self.config.entries.push(Entry { section, key, value, lines, at, replaced: None, is_saved });
         standing.key = Some((self.config.entries.len() - 1, indent));
     }
 

@@ -10,6 +10,7 @@
 //! | `work` | the translation so far |
 //! | `stepper` | a motor |
 //! | `motors`, `drivers`, `axes`, `heat`, `fans`, `probe`, `bed` | one part of a machine each |
+//! | `macros` | the owner's lines of G-code |
 //! | `defaults` | Klipper's defaults where its files say nothing |
 //! | `tables` | keys that are one number, and remarks on the rest |
 //! | `report` | the verdict on every key |
@@ -25,6 +26,7 @@ mod drivers;
 mod fans;
 mod found;
 mod heat;
+mod macros;
 mod motors;
 mod pin;
 mod probe;
@@ -89,6 +91,7 @@ pub fn translate(config: &Config, board: Option<&'static BoardConnectors>) -> Re
     axes::extruder(&mut work);
     defaults(&mut work);
     axes::step_rates(&mut work);
+    macros::macros(&mut work);
     of_chip(&mut work, &pinned, board);
     let head = format!(
         "#:schema ./machine.schema.json\n# From {}, for the {}. `corehbot config check` checks it.\n",

@@ -150,8 +150,7 @@ pub(super) const REMARKS: &[Remark] = &[
     not_yet("servo *", "", "no servo"),
     not_yet("gcode_button *", "", "no buttons"),
     // G-code of the owner.
-    not_yet("gcode_macro *", "", "no macros: put its commands into the slicer's or the host's G-code"),
-    not_yet("delayed_gcode *", "", "no macros"),
+    not_yet("delayed_gcode *", "", "nothing is carried out after a time"),
     not_yet("menu *", "", "no display"),
     not_yet("firmware_retraction", "", "G10 and G11 are built in: M207 in the start G-code sets the lengths"),
 ];

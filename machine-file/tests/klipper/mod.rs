@@ -2,6 +2,7 @@
 
 mod checked;
 mod forms;
+mod macros;
 mod open;
 mod proof;
 mod wanted;

@@ -195,7 +195,7 @@ mod tests {
             let (name, settings) = (None, Settings::prototype());
             let texts = Some((option, text)).filter(|_| !text.is_empty());
             let breaks = Breaks::read(texts, &settings, true);
-            let machine = Machine { name, board: None, settings, twin: Description::default() };
+            let machine = Machine { name, board: None, settings, twin: Description::default(), texts: Vec::new() };
             let plant = breaks.and_then(|breaks| Belts { seed: Some(1), hits: &hits }.plant(&machine, None, &breaks));
             plant.map_or_else(|refusal| refusal.to_string(), |_| String::new())
         };

@@ -29,7 +29,7 @@ use corehbot::kinematics::{Groups, MotorTable};
 use corehbot::machine::{PortSet, Ports, Restart};
 use corehbot::motion::{StepCounts, StepGenerator, Stepper};
 use corehbot::motors::{Coupling, EndstopSet, MOST_GROUPS, MOTORS, Motor, MotorSet};
-use corehbot::port::{AnyBoard, Storage};
+use corehbot::port::Storage;
 use corehbot::settings::Settings;
 use corehbot::status::Status;
 use corehbot::thermal::ThermalControl;
@@ -38,7 +38,7 @@ use corehbot_rig::Rig;
 use corehbot_rig::bed::BedPlant;
 use corehbot_rig::bed::probe::ProbeFault;
 use corehbot_rig::thermal_plant::Heat;
-pub use desk::Desk;
+pub use desk::{Desk, SimBoard};
 pub use runs::{WorldError, run, run_at, run_on, run_with};
 use std::collections::VecDeque;
 use std::pin::Pin;
@@ -99,7 +99,7 @@ impl<'w> PortSet for &'w Shared {
     type Drivers = Bus<'w>;
     type Chip = Tmc2209;
     type Servo = ServoLine<'w>;
-    type Board = AnyBoard;
+    type Board = SimBoard;
     type Clock = Timer<'w>;
     type Storage = AnyStorage<'w>;
     type Accelerometer = Sensor<'w>;
@@ -195,6 +195,7 @@ impl<'w> World<'w> {
             plugs,
             sensor,
             heat,
+            board,
             is_strict,
             plant: left,
         } = desk;
@@ -224,7 +225,7 @@ impl<'w> World<'w> {
             motors: drivers.power(&shared.now),
             drivers: drivers.bus(&shared.now),
             servo: drivers.servo(&shared.now),
-            board: AnyBoard,
+            board: *board,
             clock: Timer(shared),
             storage,
             accelerometer: Sensor { sensor: &shared.sensor, now: &shared.now },

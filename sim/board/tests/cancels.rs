@@ -39,7 +39,7 @@ const LONGER: [&str; 19] = [
 ];
 
 /// They act as they arrive, and end what is under way themselves.
-const URGENT: [&str; 6] = ["M24", "M108", "M410", "M524", "M602", "M999"];
+const URGENT: [&str; 8] = ["M24", "M108", "M410", "M524", "M602", "M999", "RESUME", "CANCEL_PRINT"];
 
 /// A line that is answered after this time has made its host wait.
 const AT_ONCE_MS: u64 = 150;
@@ -189,7 +189,8 @@ fn so_it_is_on_a_printer_whose_probe_homes_z_and_has_to_be_taken_in() {
 }
 
 /// Codes that act though a job has ended: they begin or end one, cure the machine, or stop it.
-const ACT: [&str; 10] = ["G28", "M18", "M75", "M77", "M84", "M108", "M110", "M112", "M915", "M999"];
+const ACT: [&str; 12] =
+    ["G28", "START_PRINT", "PRINT_START", "M18", "M75", "M77", "M84", "M108", "M110", "M112", "M915", "M999"];
 
 /// Reproducer: M290, SET_GCODE_OFFSET with MOVE=1, STEPPER_BUZZ and SELF_TEST of the rest of a file acted.
 #[test]

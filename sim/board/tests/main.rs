@@ -44,6 +44,7 @@ mod offsets;
 mod overrides;
 mod paused;
 mod pauses;
+mod print_words;
 mod protocol;
 mod resonance;
 mod restart;

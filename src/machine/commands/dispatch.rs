@@ -8,7 +8,7 @@
 
 use super::malformed::report_malformed;
 use super::table;
-use crate::gcode::{Command, Flaw, Mark};
+use crate::gcode::{Absent, Command, Flaw, Mark, Named, Part};
 use crate::machine::answers::answer::Answer;
 use crate::machine::apart::apart;
 use crate::machine::interrupt::Interrupt;
@@ -16,9 +16,11 @@ use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::print::detour::{begin_line, end_line};
 use crate::machine::print::job::{end_job, refuse, starts_print};
+use crate::machine::print::named_texts::{Called, call_line};
 use crate::machine::print::pause::{end_holding, hold};
 use crate::machine::state::held_line::{Answered, HoldReason};
 use crate::machine::state::job::JobEnd;
+use crate::machine::state::notices::Notices;
 use crate::machine::states::{States, tell_clamps};
 use crate::machine::travel::moves::Moves;
 use crate::port::Wake;
@@ -42,7 +44,9 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Wake>(
     command: &Command<'a>,
 ) -> Result<Answer<'a>, Interrupt> {
     states.clamps.clear();
-    if let Some(answer) = refuse(main_loop, command) {
+    if !states.texts.is_of_cancel
+        && let Some(answer) = refuse(main_loop, command)
+    {
         return Ok(answer);
     }
     if main_loop.job.is_paused() {
@@ -61,17 +65,16 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Wake>(
             main_loop.tell(|to, _| report_malformed(to, &flaw));
             Ok(Answer::Said)
         }
-        Command::Unknown(text) => {
-            note_unknown(main_loop, text);
-            Ok(Answer::Unknown(text))
-        }
+        Command::Unknown(text) => Ok(unknown(main_loop, states, text)),
     };
     match done {
         // `power` has reported the reason.
         Err(Interrupt::NoPower) => Ok(Answer::Nothing),
         Err(Interrupt::EndJob) => {
             let why = main_loop.job.why_it_ends();
-            apart(pin!(end_job(main_loop, &mut states.modal, why))).await
+            let answer = apart(pin!(end_job(main_loop, &mut states.modal, why))).await?;
+            states.texts.stop_if(main_loop.job.is_ended());
+            Ok(answer)
         }
         // A print that goes on without it would print on an unknown bed.
         Ok(Answer::NotHomed) if main_loop.job.is_printing() && is_about_bed(command) => {
@@ -87,6 +90,29 @@ pub(in crate::machine) async fn carry_out<'a, P: PortSet, W: Wake>(
         }
         Err(interrupt) => Err(interrupt),
     }
+}
+
+/// A line that is no command: the owner's text, or unknown.
+fn unknown<'a, P: PortSet, W: Wake>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    states: &mut States,
+    text: &'a [u8],
+) -> Answer<'a> {
+    match call_line(main_loop, states, text) {
+        Called::Taken => return Answer::Nothing,
+        Called::Inside => return Answer::Line(packed!("echo:ignored: a text calls itself")),
+        Called::Unknown => {}
+    }
+    note_unknown(main_loop, text);
+    if tells_unknown(&mut states.notices, text) { Answer::Unknown(text) } else { Answer::Nothing }
+}
+
+/// Whether an unknown line is told. Klipper's owners give the names of their own macros an underscore, and slicers write
+/// one for every layer: each is told once a print.
+fn tells_unknown(notices: &mut Notices, text: &[u8]) -> bool {
+    let name = text.split(|byte| matches!(byte, b' ' | b'\t' | b';')).next().unwrap_or_default();
+    let key = Absent { command: Named::Name("_"), part: Part::Other, which: name }.key();
+    !matches!(name, [b'_', ..]) || notices.give_absent(key)
 }
 
 /// Whether a command finds out about the bed.

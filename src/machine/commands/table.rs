@@ -18,7 +18,7 @@ use crate::machine::bed::{
 };
 use crate::machine::heat::{
     cold_limit, controller_fan, fan_speed, fan_turns, heat_targets, heater_model, heater_self_test, heater_tuning,
-    heaters_reached, power_off, temperatures,
+    heaters_by_name, heaters_reached, power_off, temperature_wait, temperatures,
 };
 use crate::machine::homing::home;
 use crate::machine::interrupt::Interrupt;
@@ -30,7 +30,8 @@ use crate::machine::motors::{
 };
 use crate::machine::ports::PortSet;
 use crate::machine::print::{
-    at_once, await_user, debug_flags, object, pause_print, power_loss, print_marks, progress, upload,
+    at_once, await_user, debug_flags, filament, layer_words, object, pause_print, power_loss, print_marks, print_words,
+    progress, upload,
 };
 use crate::machine::probe::reach::{NO_PROBE, has_probe};
 use crate::machine::resonance::commands as resonances;
@@ -39,8 +40,8 @@ use crate::machine::setup::{
 };
 use crate::machine::states::States;
 use crate::machine::travel::{
-    dwell, feed_percent, finish, flow_percent, home_offsets, inches, modes, move_lines, plane, quick_stop, recovery,
-    retract, retraction_settings, set_position, soft_endstops, tool, z_shift,
+    dwell, feed_percent, finish, flow_percent, home_offsets, inches, modes, move_lines, park, plane, quick_stop,
+    recovery, retract, retraction_settings, saved_places, set_position, soft_endstops, tool, z_shift,
 };
 use crate::port::Wake;
 use core::marker::PhantomData;
@@ -97,12 +98,12 @@ list! {
         debug_flags,
         driver_current,
         fan_turns,
-        finish,
         firmware,
         flow_percent,
         home_offsets,
         hybrid_threshold,
         inches,
+        layer_words(FRAME, VIDEO, LAYERS, CODES),
         line_number,
         message(DISPLAY, HOSTS),
         modes(OF_ALL, OF_EXTRUSION),
@@ -128,7 +129,7 @@ list! {
     }
     awaited {
         all_settings,
-        at_once(CANCEL, CONTINUE, ANSWER, STOP, RESTART),
+        at_once(CANCEL, CANCEL_BY_NAME, CONTINUE, ANSWER, STOP, RESTART),
         await_user(WAIT, CHANGE),
         bed_height,
         bed_mesh(ENTRY, WHOLE, BY_NAME),
@@ -139,11 +140,14 @@ list! {
         endstops,
         fan_speed(SPEED, OFF),
         feed_percent,
+        filament(LENGTHS, LOAD, UNLOAD),
+        finish,
         hand_screws,
         heat_targets(HOTEND, BED, CHAMBER),
         heater_model,
         heater_self_test,
         heater_tuning,
+        heaters_by_name(TARGET, OFF),
         heaters_reached,
         home,
         input_shaper,
@@ -151,17 +155,21 @@ list! {
         mesh_point(CHANGE, GO_OVER),
         mesh_use(ENTRY, CLEAR, OUTPUT, PROFILE),
         motor_power(ON, OFF),
-        pause_print(PAUSE, PARK, RESUME),
+        park,
+        pause_print(PAUSE, PARK, RESUME, PAUSE_BY_NAME, RESUME_BY_NAME, CLEAR),
         plain_settings(OF_AXES, OF_MACHINE, CORNERS, PID_OF_HOTEND, PID_OF_BED),
         pressure_advance(LINEAR_ADVANCE, PRESSURE_ADVANCE, BY_NAME),
         print_marks,
+        print_words(START, END),
         probe_pin(OUT, IN),
         repeatability,
         resonances(SENSOR, SAMPLES, TEST, CALIBRATE),
         retract(AWAY, BACK),
+        saved_places(SAVE, RETURN, SAVE_STATE, RESTORE_STATE),
         screw_levelling(ENTRY, BY_NAME),
         stepper_buzz,
         storage(ENTRY, CHECK),
+        temperature_wait,
         temperatures,
         z_shift(BABYSTEP, OFFSET),
     }

@@ -15,7 +15,7 @@ use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
 use crate::machine::reports::heat_report::Temperatures;
-use crate::machine::state::clamps::Clamps;
+use crate::machine::state::clamps::{Clamps, Word};
 use crate::machine::state::job::JobEnd;
 use crate::machine::state::notices::{Notice, Notices};
 use crate::machine::state::waiting::Waiting;
@@ -23,12 +23,12 @@ use crate::machine::states::{States, tell_clamps};
 use crate::port::{Storage, Wake};
 use crate::settings::{Range, ThermalSettings};
 use crate::text::Packed;
-use crate::units::Celsius;
+use crate::units::{Celsius, Instant};
 use core::pin::pin;
 
 /// A heater without a reading for this time has a broken sensor. A working one is read a tenth of a second after the
 /// start, and the reason for a missing reading is known after half of one.
-const UNREAD_MS: u32 = 1000;
+pub(super) const UNREAD_MS: u32 = 1000;
 
 /// Interval of temperature lines in every wait.
 pub(in crate::machine) const LINE_MS: u32 = 1000;
@@ -81,7 +81,7 @@ fn set_target<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     notices: &mut Notices,
     clamps: &mut Clamps,
-    code: &'static str,
+    word: Word,
     (heater, target): (Heater, Option<Number>),
 ) -> Result<bool, NoTarget> {
     if let Some(answer) = missing(main_loop, notices, heater) {
@@ -89,7 +89,7 @@ fn set_target<P: PortSet, W: Wake>(
     }
     let Some(number) = target else { return Ok(false) };
     let range = Range { least: Celsius::ZERO, most: main_loop.settings.thermal.heater(heater).most };
-    let Some(target) = clamps.near_of([code, "S"], number, range, Some(main_loop.heat.target(heater))) else {
+    let Some(target) = clamps.near_of(word, number, range, Some(main_loop.heat.target(heater))) else {
         return Ok(false);
     };
     if target > Celsius::ZERO {
@@ -113,30 +113,44 @@ fn set_target<P: PortSet, W: Wake>(
 /// M104, M109 and those of bed and chamber. To set a target R is as good as S; with both it is S, as in Marlin.
 pub(in crate::machine) async fn order_heat<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
-    States { clamps, notices, .. }: &mut States,
+    states: &mut States,
     command: &TableCommand<'_>,
     code: &'static str,
     (heater, waits): (Heater, bool),
 ) -> Result<Answer<'static>, Interrupt> {
     let (heats, both) = (command.number(b'S'), command.number(b'R'));
-    match set_target(main_loop, notices, clamps, code, (heater, heats.or(both))) {
+    let cools = waits.then_some(heats.is_none());
+    order_target(main_loop, states, [code, "S"], (heater, heats.or(both)), cools).await
+}
+
+/// A heater gets a target. It is waited for if `cools` says whether also while it cools.
+pub(in crate::machine) async fn order_target<P: PortSet, W: Wake>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    States { clamps, notices, .. }: &mut States,
+    word: Word,
+    (heater, target): (Heater, Option<Number>),
+    cools: Option<bool>,
+) -> Result<Answer<'static>, Interrupt> {
+    match set_target(main_loop, notices, clamps, word, (heater, target)) {
         Err(NoTarget::NoHeater(answer)) => return Ok(answer),
-        Err(NoTarget::Refused(why)) if waits => {
+        Err(NoTarget::Refused(why)) if cools.is_some() => {
             note_no_heat(main_loop, heater, why);
             return Err(Interrupt::EndJob);
         }
         Err(NoTarget::Refused(why)) => {
             tell_clamps(main_loop, clamps);
+            let [code, _] = word;
             main_loop.say(text!("echo:{code} ignored: {why}"));
             return Ok(Answer::Said);
         }
-        Ok(true) if waits => {
-            // Report clamped values before the wait, not minutes later.
-            tell_clamps(main_loop, clamps);
-            let heaters = Heater::ALL.map(|other| other == heater);
-            apart(pin!(await_heat(main_loop, heaters, heats.is_none()))).await?;
+        Ok(is_set) => {
+            if let Some(cools) = cools.filter(|_| is_set) {
+                // Report clamped values before the wait, not minutes later.
+                tell_clamps(main_loop, clamps);
+                let heaters = Heater::ALL.map(|other| other == heater);
+                apart(pin!(await_heat(main_loop, heaters, cools))).await?;
+            }
         }
-        Ok(_) => {}
     }
     Ok(Answer::Nothing)
 }
@@ -172,9 +186,35 @@ pub(in crate::machine) async fn await_readings<P: PortSet, W: Wake>(
 }
 
 /// The job ends, because a heater that is waited for must not heat.
-fn note_no_heat<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>, heater: Heater, why: Fault) {
+pub(super) fn note_no_heat<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, W>, heater: Heater, why: Fault) {
     let is_read = main_loop.heat.measured()[heater as usize].is_some();
     main_loop.job.note_end(if is_read { JobEnd::Refused { why } } else { JobEnd::Unread { heater } });
+}
+
+/// Follows heaters that are waited for, by the distances below their targets. One that gets no warmer is told, and later
+/// ends the job.
+pub(super) fn tell_stuck<P: PortSet, W: Wake>(
+    main_loop: &mut MainLoop<'_, P, W>,
+    rising: &mut Rising,
+    (below, measured): ([Option<Celsius>; HEATERS], [Option<Celsius>; HEATERS]),
+    now: Instant,
+) -> Result<(), Interrupt> {
+    let status = main_loop.status;
+    match rising.follow(below, measured, |heater| status.heat().is_slow(heater), now) {
+        Some(Stuck::End(heater)) => {
+            if let (Some(at), Some(below)) = (measured[heater as usize], below[heater as usize]) {
+                let [at, target] = [at, at.saturating_add(below)].map(Celsius::to_num::<i32>);
+                main_loop.job.note_end(JobEnd::Unreachable { heater, at, target });
+                return Err(Interrupt::EndJob);
+            }
+        }
+        Some(Stuck::Tell(heater)) => main_loop.say(text!(
+            "echo:{} does not get warmer; the print ends if this continues. M108 ends this wait",
+            heater.name()
+        )),
+        None => {}
+    }
+    Ok(())
 }
 
 /// Waits until heaters have reached their targets, or if `cools` is not set, have no need to warm up any more.
@@ -254,21 +294,7 @@ pub(in crate::machine) async fn await_heat<P: PortSet, W: Wake>(
             break;
         }
         let below = [0, 1, 2].map(|place| off_by(place).map(|by| Celsius::ZERO.saturating_sub(by)));
-        let status = main_loop.status;
-        match rising.follow(below, measured, |heater| status.heat().is_slow(heater), now) {
-            Some(Stuck::End(heater)) => {
-                if let Some(at) = measured[heater as usize] {
-                    let [at, target] = [at, targets[heater as usize]].map(Celsius::to_num::<i32>);
-                    main_loop.job.note_end(JobEnd::Unreachable { heater, at, target });
-                    return Err(Interrupt::EndJob);
-                }
-            }
-            Some(Stuck::Tell(heater)) => main_loop.say(text!(
-                "echo:{} does not get warmer; the print ends if this continues. M108 ends this wait",
-                heater.name()
-            )),
-            None => {}
-        }
+        tell_stuck(main_loop, &mut rising, (below, measured), now)?;
         // The look-ahead would keep the last moves for later ones, and these wait for this line.
         moves = moves && main_loop.motion.let_end(&main_loop.settings, main_loop.now());
         main_loop.poll().await?;

@@ -16,11 +16,13 @@ pub(in crate::machine) mod heater_model;
 pub(in crate::machine) mod heater_self_test;
 pub(in crate::machine) mod heater_settings;
 pub(in crate::machine) mod heater_tuning;
+pub(in crate::machine) mod heaters_by_name;
 pub(in crate::machine) mod heaters_reached;
 pub(in crate::machine) mod heating;
 pub(in crate::machine) mod power_off;
 pub(in crate::machine) mod reached;
 pub(in crate::machine) mod self_test;
+pub(in crate::machine) mod temperature_wait;
 pub(in crate::machine) mod temperatures;
 pub(in crate::machine) mod tuning;
 

@@ -272,7 +272,7 @@ impl<'m, S: Serial> Host<'m, S> {
         let number = self.receiver.last_line();
         self.number = (number != last).then_some(number);
         self.assured = now;
-        let is_forgotten = self.receiver.is_overtaken() && asked == Request::Command && !is_mark(parse, text);
+        let is_forgotten = self.receiver.is_overtaken() && asked == Request::Command && !outlives_stop(parse, text);
         let asked = if is_forgotten { Request::Nothing } else { asked };
         Some(if self.upload.takes(asked, text, parse, now) { Request::Nothing } else { asked })
     }
@@ -304,6 +304,12 @@ impl<'m, S: Serial> Host<'m, S> {
             self.replies.hold(!told.are_sent());
         }
     }
+}
+
+/// Whether a line is carried out though a quick stop or a cancel came with it or behind it: a mark of an upload, and the
+/// cancel that the owner may have a text for.
+fn outlives_stop(parse: Parse, text: &[u8]) -> bool {
+    is_mark(parse, text) || matches!(parse(text), Command::Table(command) if command.is_named("CANCEL_PRINT"))
 }
 
 /// Sends as many bytes as fit.

@@ -5,12 +5,16 @@
 //! | [`job`] | every end of a print that leaves the machine usable |
 //! | [`pause`], [`parking`], [`park_words`] | to the pause and back |
 //! | [`detour`] | lines in a pause that are not the print's |
+//! | [`named_texts`] | the owner's texts, and those that are built in |
 
 pub(in crate::machine) mod at_once;
 pub(in crate::machine) mod await_user;
 pub(in crate::machine) mod debug_flags;
 pub(in crate::machine) mod detour;
+pub(in crate::machine) mod filament;
 pub(in crate::machine) mod job;
+pub(in crate::machine) mod layer_words;
+pub(in crate::machine) mod named_texts;
 pub(in crate::machine) mod object;
 pub(in crate::machine) mod park_words;
 pub(in crate::machine) mod parking;
@@ -18,6 +22,7 @@ pub(in crate::machine) mod pause;
 pub(in crate::machine) mod pause_print;
 pub(in crate::machine) mod power_loss;
 pub(in crate::machine) mod print_marks;
+pub(in crate::machine) mod print_words;
 pub(in crate::machine) mod progress;
 pub(in crate::machine) mod upload;
 

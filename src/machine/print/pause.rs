@@ -36,8 +36,8 @@ use core::pin::pin;
 
 /// Speeds of filament that is changed: Marlin's `FILAMENT_CHANGE_UNLOAD_FEEDRATE` and
 /// `FILAMENT_CHANGE_FAST_LOAD_FEEDRATE` (Configuration_adv.h 2.1).
-const UNLOAD_SPEED: MmPerSec = MmPerSec::const_from_int(10);
-const LOAD_SPEED: MmPerSec = MmPerSec::const_from_int(6);
+pub(in crate::machine) const UNLOAD_SPEED: MmPerSec = MmPerSec::const_from_int(10);
+pub(in crate::machine) const LOAD_SPEED: MmPerSec = MmPerSec::const_from_int(6);
 
 /// Prompt to the user.
 const PAUSED: &str = "Paused";

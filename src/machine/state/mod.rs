@@ -61,6 +61,8 @@ pub(in crate::machine) mod probing;
 pub(in crate::machine) mod program;
 pub(in crate::machine) mod pulleys;
 pub(in crate::machine) mod retraction;
+pub(in crate::machine) mod running_texts;
+pub(in crate::machine) mod saved_states;
 pub(in crate::machine) mod self_tests;
 pub(in crate::machine) mod soft_endstops;
 pub(in crate::machine) mod trimming;

@@ -7,7 +7,7 @@
 //!   the lines of a file, and no line of a button.
 //! - It is in no detour. A detour is what a button or a script sends around its moves: from G91 to G90, or from M83 to
 //!   M82 or back. At the end of a detour, the modes, E and F are those before it.
-//! - It is not G28.
+//! - It is not G28, and no line of a text with a name.
 //!
 //! Modes (G90, G91, M82, M83, G20, planes) are those before the pause: no file changes them there for good.
 
@@ -46,17 +46,24 @@ pub(in crate::machine) struct PausedStream {
     detour: Detour,
     /// Lines of the print have numbers.
     is_numbered: bool,
+    /// The line that is carried out is one of a text with a name.
+    is_in_text: bool,
 }
 
 impl PausedStream {
     /// Nothing was printed.
     pub const fn new() -> Self {
-        Self { program: None, detour: Detour::None, is_numbered: false }
+        Self { program: None, detour: Detour::None, is_numbered: false, is_in_text: false }
     }
 
     /// A line of the print has a number, or has none.
     pub const fn note_number(&mut self, has_number: bool) {
         self.is_numbered = has_number;
+    }
+
+    /// The next line is one of a text with a name, or is not.
+    pub const fn note_text(&mut self, is_in_text: bool) {
+        self.is_in_text = is_in_text;
     }
 
     /// A pause begins.
@@ -76,7 +83,7 @@ impl PausedStream {
 
     /// Whether a line of the print's host, with or without a number, may be one of the stream.
     pub const fn may_hold(&self, has_number: bool) -> bool {
-        has_number || !self.is_numbered
+        (has_number || !self.is_numbered) && !self.is_in_text
     }
 
     /// Whether a line of the print's host is in a detour.

@@ -279,7 +279,7 @@ impl<P: PortSet, W: Wake> Moves<'_, '_, P, W> {
     }
 
     /// Plans a move within the reachable space and takes it as the commanded position.
-    async fn go(&mut self, position: [Mm; 4], speed: Feed) -> Result<(), Interrupt> {
+    pub(super) async fn go(&mut self, position: [Mm; 4], speed: Feed) -> Result<(), Interrupt> {
         let (inside, moved) = {
             let main_loop = &*self.main_loop;
             // The limits apply to the machine position, including the offset of a parked pause.

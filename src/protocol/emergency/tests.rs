@@ -37,6 +37,14 @@ fn an_emergency_comes_in_many_dresses() {
     for text in ["M24\n", "M602 ;go\n", "N7 M876 S0*12\n", "m876s1\n", "M876  S\n"] {
         assert_eq!(scan(text), [Emergency::Resume], "{text:?}");
     }
+    for text in
+        ["RESUME\n", "resume ;go\n", "N7 RESUME*12\n", "N7RESUME\r\n", "RESUME VELOCITY=50\n", "G1 X5\n RESUME \n"]
+    {
+        assert_eq!(scan(text), [Emergency::Resume], "{text:?}");
+    }
+    for text in ["CANCEL_PRINT\n", "N12 cancel_print*7\n", "CANCEL_PRINT\t\n"] {
+        assert_eq!(scan(text), [Emergency::Cancel], "{text:?}");
+    }
 }
 
 #[test]
@@ -70,6 +78,20 @@ fn a_false_alarm_would_ruin_a_print() {
         "M112 \x7F\n",
         "M9990\n",
         "M99\n",
+        "RESUME",
+        "RESUM\n",
+        "RESUME_BASE\n",
+        "BASE_RESUME\n",
+        "RESUME2\n",
+        "RESUMES\n",
+        "RE SUME\n",
+        "RESUME\x08\n",
+        "M117 RESUME\n",
+        ";CANCEL_PRINT\n",
+        "CANCEL\n",
+        "CANCEL_PRINT_BASE\n",
+        "N CANCEL_PRINT\n",
+        "RANCEL_PRINT\n",
     ] {
         assert_eq!(scan(text), [], "{text:?}");
     }

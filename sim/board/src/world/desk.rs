@@ -10,9 +10,32 @@ use crate::ports::{Shared, Wire};
 use crate::wiring_mistakes::Plugs;
 use corehbot::app::Memory;
 use corehbot::motors::EndstopSet;
+use corehbot::port::BoardFacts;
 use corehbot::surface::Mesh;
+use corehbot_machine_file::{NamedText, body};
 use corehbot_rig::bed::BedPlant;
 use corehbot_rig::plant::Plant;
+
+/// Facts of the simulated board.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SimBoard {
+    /// Its owner's texts.
+    pub texts: &'static [u8],
+}
+
+impl SimBoard {
+    /// A board with these texts, for as long as the program runs.
+    #[must_use]
+    pub fn of(texts: &[NamedText]) -> Self {
+        Self { texts: Box::leak(body(texts).into_boxed_slice()) }
+    }
+}
+
+impl BoardFacts for SimBoard {
+    fn texts(&self) -> &'static [u8] {
+        self.texts
+    }
+}
 
 /// The base of a [`World`](super::World), which outlives it.
 pub struct Desk {
@@ -39,6 +62,8 @@ pub struct Desk {
     pub sensor: Option<SensorTruth>,
     /// The heaters' true values, and their accidents.
     pub heat: HeatSetup,
+    /// The facts of the board.
+    pub board: SimBoard,
     /// Whether a homed axis beyond its end ends the program: in tests. Otherwise
     /// [`World::beyond`](super::World::beyond) tells of it.
     pub is_strict: bool,
@@ -61,6 +86,7 @@ impl Desk {
             bed: None,
             probe_accidents: Vec::new(),
             mesh: None,
+            board: SimBoard::default(),
             is_strict: true,
             mesh_log: None,
             z_shifts: ZShifts::default(),

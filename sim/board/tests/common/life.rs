@@ -1,6 +1,6 @@
 //! The life of a machine: lines are said one after the other, time passes, and moving and warm parts are checked.
 
-use corehbot::motors::{EndstopSet, MOTORS, MotorSet};
+use corehbot::motors::{EndstopSet, MOTORS, Motor, MotorSet};
 use corehbot::port::{NoStorage, Storage};
 use corehbot::settings::Settings;
 use corehbot::surface::Mesh;
@@ -228,6 +228,11 @@ impl Life<'_> {
     /// Whether the motors have power.
     pub fn has_power(&self) -> bool {
         !self.drivers.enabled().is_empty()
+    }
+
+    /// The motors that have power.
+    pub fn powered(&self) -> Vec<usize> {
+        self.drivers.enabled().iter().map(Motor::index).collect()
     }
 
     fn heat(&self) -> HeatPeriod {

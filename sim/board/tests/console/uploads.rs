@@ -15,7 +15,7 @@ fn numbered(number: i32, text: &str) -> String {
 }
 
 const FILE: [&str; 6] =
-    ["START_PRINT BED=60", "M104 S200", "G28", "G1 X50 Y50 E5 F6000", "M115 U3.13.0", "G1 X100 F6000"];
+    ["START_MACRO BED=60", "M104 S200", "G28", "G1 X50 Y50 E5 F6000", "M115 U3.13.0", "G1 X100 F6000"];
 
 /// Pronsole's upload: M28 and the print go out together (pronsole.py, do_upload), with a reading of the temperatures
 /// between two lines.

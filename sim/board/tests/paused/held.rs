@@ -51,7 +51,7 @@ fn a_line_that_has_lost_its_place_is_held_until_the_axes_are_homed() {
 fn a_cold_line_is_held_and_a_host_that_can_do_nothing_else_is_let_go_by_m108() {
     live(&heated(), 1, |life| {
         // A file for a printer that has a macro.
-        life.say("START_PRINT BED=60 EXTRUDER=210");
+        life.say("START_MACRO BED=60 EXTRUDER=210");
         life.put(0, "G1 X110 E1 F6000");
         life.rest(5000);
         assert_eq!(life.count("//action:pause action:pause"), 1, "{:?}", life.heard);
@@ -90,7 +90,7 @@ fn a_cold_line_is_held_and_a_host_that_can_do_nothing_else_is_let_go_by_m108() {
 #[test]
 fn a_macro_that_is_not_there_homes_nothing() {
     live_unhomed(|life| {
-        life.say("PRINT_START BED_TEMP=60");
+        life.say("_PRINT_START_BASE BED_TEMP=60");
         life.put(0, "G1 X110 E1 F6000");
         life.rest(3000);
         assert_eq!(life.count("echo:print held: axes are no longer homed"), 1, "{:?}", life.heard);
