@@ -191,7 +191,7 @@ fn line_of_start(step: u8, texts: &RunningTexts, has_mesh: bool, line: &mut Line
         6 => with(line, b"C", b"M191 S"),
         // Without a word, what the lines before have set is waited for.
         7 => with(line, b"E", b"M109 S").or_else(|| put(line, &[b"M116"])),
-        0..=7 => None,
+        2 | 5 => None,
         _ => return Step::Over,
     };
     Step::Line
