@@ -117,6 +117,7 @@ impl Prepared {
         let stored = eeprom.as_mut().and_then(Eeprom::settings);
         let stored = stored.filter(|stored| stored.mechanism == settings.mechanism);
         let mut limits = Widening::new(settings, stored.as_ref());
+        limits.texts(&machine.texts);
         let survey = file.survey(|command| {
             if stop.is_set() {
                 bail!("interrupted before the print began");

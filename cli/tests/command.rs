@@ -2,6 +2,7 @@
 
 mod accidents;
 mod belt;
+mod klipper_words;
 
 use corehbot::connectors::BoardConnectors;
 use corehbot::storage::{BLOCK, blank_block, machine_of};

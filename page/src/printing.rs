@@ -49,6 +49,7 @@ pub fn print(job: &Job, gcode: Vec<u8>, tell: &mut dyn FnMut(f64, f64, f64)) -> 
     let gcode: Arc<[u8]> = opening::text(gcode, job.plate).with_context(|| job.file.clone())?.into();
     let lines = || Lines::new(Box::new(Cursor::new(gcode.clone())) as Box<_>);
     let mut limits = Widening::new(settings, None);
+    limits.texts(&machine.texts);
     let known = survey(&mut lines(), |number, line, command| {
         check_line(number, line, command)?;
         if !command.is_empty() {

@@ -40,6 +40,7 @@ use crate::file_line::{command_of, words};
 use corehbot::kinematics::{Group, Groups, direction};
 use corehbot::settings::{Alignment, AxisEnd, AxisSettings, Belt, CornerRule, Settings, ranges};
 use corehbot::units::{Mm, MmPerSec, MmPerSec2, Seconds};
+use corehbot_machine_file::NamedText;
 use corehbot_rig::bed::has_probe;
 use corehbot_twin::math::square;
 use std::f64::consts::SQRT_2;
@@ -205,6 +206,19 @@ fn is_named(command: &str, name: &str) -> bool {
     command.split_whitespace().next().is_some_and(|first| first.eq_ignore_ascii_case(name))
 }
 
+/// A line of a text with `{KEY:default}` as its default and `{KEY}` as nothing.
+fn with_defaults(line: &str) -> String {
+    let mut filled = String::new();
+    let mut rest = line;
+    while let Some((before, gap)) = rest.split_once('{') {
+        let (gap, after) = gap.split_once('}').unwrap_or((gap, ""));
+        filled += before;
+        filled += gap.split_once(':').map_or("", |(_, default)| default);
+        rest = after;
+    }
+    filled + rest
+}
+
 /// The number of a word `NAME=`.
 fn pair(command: &str, name: &str) -> Option<f64> {
     let mut words = command.split_whitespace().filter_map(|word| word.split_once('='));
@@ -306,6 +320,14 @@ impl Widening {
         }
     }
 
+    /// Takes in the limits set by the owner's texts, any of which the print may call. Of a word of the call the default
+    /// counts.
+    pub fn texts(&mut self, texts: &[NamedText]) {
+        for line in texts.iter().flat_map(|text| &text.lines) {
+            self.command(&with_defaults(line));
+        }
+    }
+
     /// The limits of the whole print.
     #[must_use]
     pub fn finish(self) -> Limits {
@@ -359,6 +381,10 @@ impl Limits {
                 widest.change(|corners| corners.commanded = [a.to_num(); 2]);
             }
             return;
+        }
+        // As it is built in, it homes.
+        if ["START_PRINT", "PRINT_START"].into_iter().any(|name| is_named(command, name)) {
+            return self.widen("G28", s, widest, unit);
         }
         self.trims |= is_named(command, "STEPPER_BUZZ");
         self.levels |= ["Z_TILT_ADJUST", "QUAD_GANTRY_LEVEL"].into_iter().any(|name| is_named(command, name));

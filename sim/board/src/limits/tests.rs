@@ -90,3 +90,17 @@ fn slow_axes_jump_by_what_their_own_acceleration_explains() {
     assert_eq!(homed[1].acceleration, 5000.0);
     assert!((homed[1].jump - flat * 20.0 * 0.1f64.sqrt()).abs() < 0.01, "{}", homed[1].jump);
 }
+
+/// START_PRINT homes, and so may the owner's texts.
+#[test]
+fn what_a_word_of_the_file_carries_out_has_its_limits() {
+    let (s, rest) = (Settings::prototype(), "\nG1 X5");
+    let limits = |first: &str| Limits::new(&s, None, &format!("{first}{rest}"));
+    assert!(limits("START_PRINT BED_TEMP=60") == limits("G28") && limits("print_start") == limits("G28"));
+    assert!(limits("G28") != limits(""));
+    let lines = ["G28", "M203 X{FAST:400}", "M204 P{NONE} T9000"].map(str::to_owned).to_vec();
+    let mut with_texts = Widening::new(&s, None);
+    with_texts.texts(&[NamedText { name: "BEGIN".to_owned(), lines }]);
+    ["BEGIN", "G1 X5"].into_iter().for_each(|line| with_texts.command(line));
+    assert_eq!(with_texts.finish(), limits("G28\nM203 X400\nM204 T9000"));
+}
