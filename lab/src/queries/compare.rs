@@ -72,7 +72,8 @@ pub struct Compared {
 }
 
 impl Compare {
-    /// Compares them over the area that all of them reach, or another one, with a search from this many columns and rows of it.
+    /// Compares them over the area that all of them reach, or another one. The search for the worst places begins with
+    /// this many columns and rows of it.
     ///
     /// # Errors
     /// Nothing holds a machine.

@@ -39,6 +39,7 @@
 use crate::file_line::{command_of, words};
 use corehbot::kinematics::{Group, Groups, direction};
 use corehbot::settings::{Alignment, AxisEnd, AxisSettings, Belt, CornerRule, Settings, ranges};
+use corehbot::storage::split_at_gap;
 use corehbot::units::{Mm, MmPerSec, MmPerSec2, Seconds};
 use corehbot_machine_file::NamedText;
 use corehbot_rig::bed::has_probe;
@@ -208,15 +209,13 @@ fn is_named(command: &str, name: &str) -> bool {
 
 /// A line of a text with `{KEY:default}` as its default and `{KEY}` as nothing.
 fn with_defaults(line: &str) -> String {
-    let mut filled = String::new();
-    let mut rest = line;
-    while let Some((before, gap)) = rest.split_once('{') {
-        let (gap, after) = gap.split_once('}').unwrap_or((gap, ""));
-        filled += before;
-        filled += gap.split_once(':').map_or("", |(_, default)| default);
+    let (mut filled, mut rest) = (Vec::new(), line.as_bytes());
+    while let Some((before, gap, after)) = split_at_gap(rest) {
+        filled.extend([before, gap.default.unwrap_or_default()].concat());
         rest = after;
     }
-    filled + rest
+    filled.extend(rest);
+    String::from_utf8_lossy(&filled).into_owned()
 }
 
 /// The number of a word `NAME=`.

@@ -1,8 +1,8 @@
 //! Answers: the result of a command, as a value.
 //!
 //! A command returns its answer; `main_loop::reply` writes it, and the Console then sends the `ok`. The words of an
-//! answer stand in the file of the command, or of the room that decides it. There is no variant for each: what a command
-//! has to say it tells at once (`MainLoop::say` and `tell`), in room that is held for that, and the answer is
+//! answer stand in the file of the command, or of the room that decides it. There is no variant for each: a command
+//! tells at once what it has to say (`MainLoop::say` and `tell`), in room that is kept for that, and the answer is
 //! [`Said`](Answer::Said). What may be long waits for room: [`Words`] that the command returns, or gives
 //! to `MainLoop::reply`. An `echo:` that is no trouble also goes into `EXPECTED` of `sim/board/src/host.rs`, or
 //! `corehbot run` warns of it.

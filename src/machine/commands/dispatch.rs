@@ -107,8 +107,8 @@ fn unknown<'a, P: PortSet, W: Wake>(
     if tells_unknown(&mut states.notices, text) { Answer::Unknown(text) } else { Answer::Nothing }
 }
 
-/// Whether an unknown line is told. Klipper's owners give the names of their own macros an underscore, and slicers write
-/// one for every layer: each is told once a print.
+/// Whether an unknown line is told. Klipper's owners give the names of their own macros an underscore, and slicers
+/// write one for every layer: each is told once a print.
 fn tells_unknown(notices: &mut Notices, text: &[u8]) -> bool {
     let name = text.split(|byte| matches!(byte, b' ' | b'\t' | b';')).next().unwrap_or_default();
     let key = Absent { command: Named::Name("_"), part: Part::Other, which: name }.key();

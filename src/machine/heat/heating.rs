@@ -191,8 +191,8 @@ pub(super) fn note_no_heat<P: PortSet, W: Wake>(main_loop: &mut MainLoop<'_, P, 
     main_loop.job.note_end(if is_read { JobEnd::Refused { why } } else { JobEnd::Unread { heater } });
 }
 
-/// Follows heaters that are waited for, by the distances below their targets. One that gets no warmer is told, and later
-/// ends the job.
+/// Follows heaters that are waited for, by the distances below their targets. One that gets no warmer is told, and
+/// later ends the job.
 pub(super) fn tell_stuck<P: PortSet, W: Wake>(
     main_loop: &mut MainLoop<'_, P, W>,
     rising: &mut Rising,

@@ -1,4 +1,4 @@
-//! Words about layers and pictures that files of Klipper and Bambu printers have: told once a print, and without effect.
+//! Words about layers and pictures that files of Klipper and Bambu printers have: told once a print, without effect.
 
 use super::{Answer, Entry, MainLoop, PortSet, States, TableCommand, Wake};
 

@@ -127,8 +127,8 @@ impl<P: PortSet, W: Wake> Moves<'_, '_, P, W> {
         Err(Answer::Nothing)
     }
 
-    /// The sum of all shifts since z was homed (Marlin's words), and the kept offsets. These are the probe's offset if it
-    /// homes z, the program's offset, and the sum by which both lift the nozzle.
+    /// The sum of all shifts since z was homed (Marlin's words), and the kept offsets. These are the probe's offset if
+    /// it homes z, the program's offset, and the sum by which both lift the nozzle.
     fn tell_z_offset(&mut self) -> Answer<'static> {
         let shifted = self.main_loop.motion.shifted_z();
         let are_stored = self.main_loop.first_layer.are_stored(&self.main_loop.settings);
