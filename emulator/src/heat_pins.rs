@@ -247,6 +247,12 @@ impl HeatWatch {
         self.edges.last().is_some_and(|edge| edge.is_high && at - edge.at < STEP_NS)
     }
 
+    /// Whether the pin of a heater went low a ms ago: a control period has begun, and its interrupt is over.
+    #[must_use]
+    pub fn has_gone_off(&self, at: u64) -> bool {
+        self.edges.last().is_some_and(|edge| !edge.is_high && (STEP_NS..3 * STEP_NS).contains(&(at - edge.at)))
+    }
+
     /// True temperatures of block and plate at a time, in C.
     #[must_use]
     pub fn celsius_at(&self, at: u64) -> Option<[f64; 2]> {

@@ -17,7 +17,7 @@ use crate::servo_line::ServoLine;
 use crate::steps::Recorder;
 use crate::terminal::Terminal;
 use crate::unmodelled_accesses::Gaps;
-use crate::watch::{End, Injection, Patience, Watch};
+use crate::watch::{End, Flip, Injection, Patience, Watch};
 use crate::wiring::{BRR, HostPort, PORTS, Pin, SettingsMemory, Wiring};
 use anyhow::{Context, Result, bail};
 use corehbot::settings::Settings;
@@ -128,6 +128,8 @@ pub struct Seen {
     pub injected: Option<u64>,
     /// When a context fell into the trap that the fault sprang, in ns.
     pub fallen: Option<u64>,
+    /// Bits of registers that flipped.
+    pub flips: Vec<Flip>,
     /// When the firmware greeted its host, in ns.
     pub started: Option<u64>,
     /// The conversation.
@@ -285,6 +287,7 @@ pub fn serve(request: &Request<'_>, terminal: Option<Terminal>) -> Result<Seen> 
         has_waited: watch.has_waited,
         injected: watch.injected,
         fallen: watch.fallen,
+        flips: watch.flips,
         line,
         second,
         eeprom,

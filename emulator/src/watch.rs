@@ -2,10 +2,12 @@
 
 mod ending;
 mod flash;
+mod flips;
 mod injection;
 mod outside;
 
 pub use ending::{End, Patience};
+pub use flips::{Flip, FlipEach};
 pub use injection::{Injection, With};
 
 use crate::board::{Emulated, Port};
@@ -84,6 +86,10 @@ pub struct Watch {
     pub injected: Option<u64>,
     /// When a context fell into the trap, in ns.
     pub fallen: Option<u64>,
+    /// Bits of registers that flipped.
+    pub flips: Vec<Flip>,
+    /// The last one's register before it.
+    before_flip: u32,
     /// The trap could be sprung.
     pub is_injectable: bool,
     /// Where the stack ends, below which it does not grow.
@@ -141,6 +147,8 @@ impl Watch {
             end: End::Late,
             injected: None,
             fallen: None,
+            flips: Vec::new(),
+            before_flip: 0,
             is_injectable: true,
             stack_end: 0,
             stack_free: 0,

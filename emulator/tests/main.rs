@@ -10,6 +10,7 @@ mod fans;
 mod faults;
 mod heat;
 mod heat_crashes;
+mod heater_registers;
 mod inputs;
 mod lines;
 mod machines;

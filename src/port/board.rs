@@ -23,6 +23,11 @@ pub trait BoardFacts {
     fn warning(&self) -> Option<&'static str> {
         None
     }
+
+    /// How often since the start a register of the heaters had changed by itself and was set right.
+    fn registers_set_right(&self) -> u32 {
+        0
+    }
 }
 
 /// A board with any connectors and no trouble.

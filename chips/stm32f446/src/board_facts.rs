@@ -3,7 +3,7 @@
 use corehbot::connectors::BoardConnectors;
 use corehbot::port::BoardFacts;
 
-use crate::supply;
+use crate::{heater_registers, supply};
 
 /// This board.
 pub struct ThisBoard {
@@ -30,5 +30,9 @@ impl BoardFacts for ThisBoard {
 
     fn warning(&self) -> Option<&'static str> {
         supply::warning()
+    }
+
+    fn registers_set_right(&self) -> u32 {
+        heater_registers::times_set_right()
     }
 }

@@ -34,6 +34,9 @@ pub const NEVER_NARROW: u16 = u16::MAX;
 /// Longest pulse, in counts. The heater goes off no later than this after the order to go on.
 pub const LONGEST: u32 = PERIOD - 1;
 
+/// A period that is older has not ended by itself, in cycles of the core: 22 ms.
+pub const LATEST: u32 = (PERIOD + PERIOD / 10) * CYCLES;
+
 /// The instants at which control periods end.
 #[derive(Clone, Copy, Debug)]
 pub struct Grid {

@@ -17,13 +17,12 @@
 use core::sync::atomic::{AtomicU32, Ordering};
 
 use corehbot::port::OUTPUTS;
-use cortex_m::peripheral::DWT;
+use cortex_m::peripheral::{DWT, NVIC};
 use embassy_stm32::pac::{DBGMCU, Interrupt, RCC, TIM5};
 
-use crate::heater_pulses::{Grid, NEVER, PERIOD, PULSES, compare};
+use crate::heater_pulses::{Grid, LATEST, NEVER, PERIOD, compare};
+use crate::heater_registers;
 use crate::narrow_heaters::NarrowHeaters;
-use crate::ports;
-use crate::resources;
 use crate::wiring::{HeaterPin, HeaterTimer as Timer};
 
 /// The interrupt of the control period.
@@ -47,33 +46,27 @@ impl HeaterTimer {
         // It answers two cycles after its clock is on (ES0298, delay after an RCC peripheral clock enabling).
         let _ = RCC.apb1enr().read();
         DBGMCU.apb1fzr().modify(|w| w.set_tim5(false));
-        TIM5.cr1().write(|w| {
-            w.set_opm(true);
-            w.set_arpe(true);
-            // Only the counter's end raises the interrupt, and not the software's update.
-            w.set_urs(embassy_stm32::pac::timer::vals::Urs::COUNTER_ONLY);
-        });
-        TIM5.psc().write_value(0);
         TIM5.arr().write_value(PERIOD - 1);
         // Before the mode: a compare value of 0 is high while the counter stands.
         for channel in 0..CHANNELS {
             TIM5.ccr(channel).write_value(NEVER);
         }
-        for pair in 0..CHANNELS / 2 {
-            TIM5.ccmr_output(pair).write(|w| w.0 = PULSES);
-        }
+        let narrow = NarrowHeaters::start(heaters);
+        // Mode, outputs and interrupt, and the pins after all of these.
+        heater_registers::set_all(heaters);
         TIM5.egr().write(|w| w.set_ug(true));
         TIM5.sr().write(|w| w.0 = 0);
-        TIM5.ccer().write(|w| on_tim5(heaters).for_each(|heater| w.set_cce(usize::from(heater.channel) - 1, true)));
-        TIM5.dier().write(|w| w.set_uie(true));
-        let narrow = NarrowHeaters::start(heaters);
-        heaters.iter().for_each(|heater| ports::drive_by(heater.pin, resources::heater_timer(heater.timer).1));
+        narrow.reload();
         Self { heaters, narrow, grid: Grid::new(DWT::cycle_count()) }
     }
 
     /// Begins a control period with these duties.
     pub fn heat(&mut self, duties: &[u16; OUTPUTS]) {
-        let counts = self.grid.next(DWT::cycle_count());
+        heater_registers::keep(self.heaters);
+        let now = DWT::cycle_count();
+        // Never 0, which says that no period has begun.
+        BEGUN.store(now | 1, Ordering::Relaxed);
+        let counts = self.grid.next(now);
         TIM5.arr().write_value(counts - 1);
         self.narrow.begin(duties, counts);
         for heater in on_tim5(self.heaters) {
@@ -89,6 +82,19 @@ impl HeaterTimer {
 /// The heaters on TIM5 itself.
 fn on_tim5(heaters: &'static [HeaterPin]) -> impl Iterator<Item = &'static HeaterPin> {
     heaters.iter().filter(|heater| heater.timer == Timer::Five)
+}
+
+/// When the present control period began, in cycles of the core; 0 before the first.
+static BEGUN: AtomicU32 = AtomicU32::new(0);
+
+/// Asks for a control period if the present one should have ended by now, and neither waits for its turn nor is at
+/// work: then its counter stands, or runs on without end. Called every ms.
+pub fn ask_if_overdue() {
+    let begun = BEGUN.load(Ordering::Relaxed);
+    if begun != 0 && DWT::cycle_count().wrapping_sub(begun) > LATEST && !NVIC::is_pending(IRQ) && !NVIC::is_active(IRQ)
+    {
+        NVIC::pend(IRQ);
+    }
 }
 
 /// The interrupt has come: takes it back.

@@ -69,6 +69,8 @@ mod flash;
 #[cfg(target_os = "none")]
 mod handles;
 #[cfg(target_os = "none")]
+mod heater_registers;
+#[cfg(target_os = "none")]
 mod heater_timer;
 #[cfg(target_os = "none")]
 mod host_serial;

@@ -9,10 +9,9 @@
 //! [`heater_timer`]: crate::heater_timer
 
 use corehbot::port::OUTPUTS;
-use embassy_stm32::pac::timer::vals::Urs;
 use embassy_stm32::pac::{DBGMCU, RCC, TIM3, TIM12};
 
-use crate::heater_pulses::{NARROW, NEVER_NARROW, PERIOD, PULSES, narrow_compare, narrow_counts};
+use crate::heater_pulses::{NEVER_NARROW, PERIOD, narrow_compare, narrow_counts};
 use crate::wiring::{HeaterPin, HeaterTimer};
 
 /// The timers of a board's heaters.
@@ -20,24 +19,15 @@ pub struct NarrowHeaters {
     heaters: &'static [HeaterPin],
 }
 
-/// Makes a timer ready for pulses, all outputs low: the types of the timers differ, their registers do not.
+/// Makes a timer ready for its modes, which [`heater_registers`](crate::heater_registers) sets: the types of the timers
+/// differ, their registers do not.
 macro_rules! prepare {
-    ($timer:ident, $pairs:expr, $heaters:expr) => {{
-        $timer.cr1().write(|w| {
-            w.set_opm(true);
-            w.set_arpe(true);
-            w.set_urs(Urs::COUNTER_ONLY);
-        });
-        $timer.psc().write_value(NARROW as u16 - 1);
+    ($timer:ident, $channels:expr) => {{
         $timer.arr().write(|w| w.set_arr(narrow_counts(PERIOD) - 1));
-        for pair in 0..$pairs {
+        for channel in 0..$channels {
             // Before the mode: a compare value of 0 is high while the counter stands.
-            $timer.ccr(2 * pair).write(|w| w.set_ccr(NEVER_NARROW));
-            $timer.ccr(2 * pair + 1).write(|w| w.set_ccr(NEVER_NARROW));
-            $timer.ccmr_output(pair).write(|w| w.0 = PULSES as _);
+            $timer.ccr(channel).write(|w| w.set_ccr(NEVER_NARROW));
         }
-        $timer.egr().write(|w| w.set_ug(true));
-        $timer.ccer().write(|w| $heaters.for_each(|heater| w.set_cce(usize::from(heater.channel) - 1, true)));
     }};
 }
 
@@ -72,12 +62,22 @@ impl NarrowHeaters {
             w.set_tim12(false);
         });
         if of(HeaterTimer::Three).next().is_some() {
-            prepare!(TIM3, 2, of(HeaterTimer::Three));
+            prepare!(TIM3, 4);
         }
         if of(HeaterTimer::Twelve).next().is_some() {
-            prepare!(TIM12, 1, of(HeaterTimer::Twelve));
+            prepare!(TIM12, 2);
         }
         timers
+    }
+
+    /// Takes the prescalers over, which an update does.
+    pub fn reload(&self) {
+        if self.of(HeaterTimer::Three).next().is_some() {
+            TIM3.egr().write(|w| w.set_ug(true));
+        }
+        if self.of(HeaterTimer::Twelve).next().is_some() {
+            TIM12.egr().write(|w| w.set_ug(true));
+        }
     }
 
     /// Begins a control period of `counts` of the heater timer.

@@ -23,6 +23,7 @@ use embassy_sync::waitqueue::AtomicWaker;
 
 use crate::clocks::APB1_TIMER_HZ;
 use crate::console_waker::wake_console;
+use crate::heater_timer;
 
 /// The interrupt of half laps and milliseconds.
 pub const IRQ: Interrupt = Interrupt::TIM2;
@@ -134,6 +135,7 @@ fn count_millisecond() {
     TIM2.ccr(NEXT).write_value(if is_ahead { next } else { count.wrapping_add(MILLI) }.into());
     let millis = MILLIS.load(Relaxed).wrapping_add(1);
     MILLIS.store(millis, Release);
+    heater_timer::ask_if_overdue();
     wake_console();
     if millis == DUE.load(Relaxed) {
         WAITING.wake();

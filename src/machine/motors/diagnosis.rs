@@ -31,6 +31,13 @@ pub(in crate::machine) async fn carry_out<P: PortSet, W: Wake>(
     if let Some(warning) = main_loop.board.warning() {
         main_loop.say(text!("echo:{warning}"));
     }
+    let times = main_loop.board.registers_set_right();
+    if times > 0 {
+        main_loop.say(text!(
+            "echo:registers of the heaters changed by themselves and were set right, {times} times: look for a disturbance, \
+             such as a loose ground"
+        ));
+    }
     Ok(Answer::words(&report_heat))
 }
 
