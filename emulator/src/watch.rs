@@ -1,11 +1,13 @@
 //! The watch: sees every access of the firmware, moves the simulated machine and keeps the record.
 
+mod cells;
 mod ending;
 mod flash;
 mod flips;
 mod injection;
 mod outside;
 
+pub use cells::{BadWord, Damage};
 pub use ending::{End, Patience};
 pub use flips::{Flip, FlipEach};
 pub use injection::{Injection, With};
@@ -26,7 +28,7 @@ use crate::wiring::{BRR, Load, PORTS, ProbeInput, SettingsMemory, Wiring};
 use corehbot::motors::{EndstopSet, prototype};
 use corehbot::settings::Settings;
 use corehbot_sim::heat_plant::HeatSetup;
-use rigless::emulator::{AccessKind, Driver, InterruptLine, Settled, Stop};
+use rigless::emulator::{AccessKind, Driver, HitKind, InterruptLine, Settled, Stop};
 use rigless::mcu::Operate;
 use rigless::session::Session;
 use rigless::soc::Width;
@@ -88,6 +90,8 @@ pub struct Watch {
     pub fallen: Option<u64>,
     /// Bits of registers that flipped.
     pub flips: Vec<Flip>,
+    /// The word of RAM that is damaged.
+    bad_word: Option<BadWord>,
     /// The last one's register before it.
     before_flip: u32,
     /// The trap could be sprung.
@@ -148,6 +152,7 @@ impl Watch {
             injected: None,
             fallen: None,
             flips: Vec::new(),
+            bad_word: None,
             before_flip: 0,
             is_injectable: true,
             stack_end: 0,
@@ -257,6 +262,7 @@ impl Driver<Emulated> for Watch {
                 self.look_at_flash(session, host, stop.at, None);
                 return self.pause(session);
             }
+            Settled::Hit(hit) if hit.kind == HitKind::Write => return self.spoil(host),
             Settled::Hit(hit) => return self.fall(session, hit.at),
             _ => return,
         };

@@ -14,6 +14,7 @@ mod heater_registers;
 mod inputs;
 mod lines;
 mod machines;
+mod memory;
 mod nucleo;
 mod nucleo_flash;
 mod plant;

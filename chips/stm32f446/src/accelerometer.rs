@@ -17,6 +17,7 @@
 //! clock's pin has the steepest edges. Slow edges would lose the last bit of a byte at this bus clock (errata of the
 //! SPI: corrupted last bit of data, received in master mode with delayed SCK feedback).
 
+use core::ops::Range;
 use core::sync::atomic::{AtomicU8, Ordering, compiler_fence};
 
 use corehbot::accelerometer::{Sample, SensorFault, SensorKind};
@@ -50,6 +51,11 @@ const LOOKS: usize = 2000;
 /// The bytes of the transfer under way. The DMA reads the ones and writes the others.
 static SENT: [AtomicU8; LONGEST] = [const { AtomicU8::new(0) }; LONGEST];
 static HEARD: [AtomicU8; LONGEST] = [const { AtomicU8::new(0) }; LONGEST];
+
+/// Where the DMA reads and writes.
+pub fn buffers() -> [Range<u32>; 2] {
+    [&SENT, &HEARD].map(|bytes| bytes.as_ptr() as u32..bytes.as_ptr() as u32 + LONGEST as u32)
+}
 
 static SAMPLES: ConstStaticCell<Queue<Raw, WAITING>> = ConstStaticCell::new(Queue::new());
 

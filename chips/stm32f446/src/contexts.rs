@@ -18,7 +18,7 @@ use crate::handles::{Console, StepGenerator, ThermalControl};
 use crate::host_serial::HostSerial;
 use crate::usb::{self, UsbPort};
 use crate::wake::IrqWake;
-use crate::{fault, heater_timer, interrupt_storm, pin_scrub, priorities, reset_reason, time, watchdog};
+use crate::{fault, heater_timer, interrupt_storm, pin_scrub, priorities, ram_walk, reset_reason, time, watchdog};
 
 static GENERATOR: Handover<&'static mut StepGenerator> = Handover::new();
 static THERMAL: Handover<(&'static mut ThermalControl, &'static Status)> = Handover::new();
@@ -139,6 +139,7 @@ fn TIM5() {
             reset_reason::note(fault);
         }
     });
+    ram_walk::walk_on();
     if let Some(second) = heater_timer::count_period() {
         reset_reason::set_uptime(second);
     }

@@ -21,7 +21,7 @@
 //! names no register). A value that start-up makes and one
 //! interrupt handler uses is in a `Handover` of `chips/cortex-m4`.
 //!
-//! `unsafe` stays in `fault`, `flash`, `otg`, `priorities`, `reference_voltage`, `reset_reason`, `stack_guard`,
+//! `unsafe` stays in `fault`, `flash`, `otg`, `panic_path`, `priorities`, `ram_walk`, `reference_voltage`, `reset_reason`, `stack_guard`,
 //! `step_timer`, `stepper` and `time`.
 #![cfg_attr(target_os = "none", no_std)]
 
@@ -94,6 +94,8 @@ mod plain_serial;
 mod ports;
 #[cfg(target_os = "none")]
 mod priorities;
+#[cfg(target_os = "none")]
+mod ram_walk;
 #[cfg(target_os = "none")]
 mod receiver;
 #[cfg(target_os = "none")]

@@ -51,6 +51,11 @@ unsafe extern "C" {
     static _stack_end: u32;
 }
 
+/// The RAM that all code may access.
+pub fn usable() -> core::ops::Range<u32> {
+    bottom() + GUARD..bottom() + RAM_SIZE
+}
+
 fn bottom() -> u32 {
     &raw const _stack_end as u32
 }

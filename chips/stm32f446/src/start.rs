@@ -31,8 +31,8 @@ use crate::usart::UsartLine;
 use crate::usb::{self, UsbLine, UsbPort};
 use crate::wiring::{Board, Image, Input, Mark, OF_144_PINS, SerialPort};
 use crate::{
-    after_bootloader, clocks, fault, plain_serial, ports, priorities, safe_levels, servo, stack_guard, supply, time,
-    watchdog,
+    after_bootloader, clocks, fault, plain_serial, ports, priorities, ram_walk, safe_levels, servo, stack_guard,
+    supply, time, watchdog,
 };
 use corehbot_board_support::memory::Memory;
 
@@ -91,6 +91,10 @@ fn make_ready(image: &'static Image, find: Find) -> (Handles, Option<UsbPort>, b
     if found != Found::Right {
         let (lines, usb) = open_lines(board, found, None, past.reason);
         contexts::only_talk(lines, usb, refusal(board));
+    }
+    if let Some(row) = ram_walk::walk_all() {
+        let (lines, usb) = open_lines(board, found, None, past.reason);
+        contexts::only_talk(lines, usb, damage(row));
     }
     board.inputs.iter().for_each(pull);
     if let Some(record) = past.record.filter(Record::is_series) {
@@ -202,6 +206,13 @@ fn open_usb(board: &'static Board, reason: Option<ResetReason>) -> Option<(UsbLi
 /// The message of a board that is not the one we are for. No output is driven, and nothing can change that.
 fn refusal(board: &Board) -> contexts::Message {
     message(format_args!("Error:this board is not a {}, flash the firmware that is meant for it\n", board.name))
+}
+
+/// The message of a board with damaged memory.
+fn damage(row: u32) -> contexts::Message {
+    message(format_args!(
+        "Error:memory at {row:08x} does not keep its bits, heaters and motors stay off: replace the board\n"
+    ))
 }
 
 /// The message of a board with too many faults.

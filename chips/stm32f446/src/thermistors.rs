@@ -17,6 +17,7 @@
 //! DMA2 of the STM32F405 spoils data when it serves AHB and APB2 peripherals at a time (ES0182). Whether the F446
 //! shares this could not be read up; so long as DMA2 serves nothing on AHB1, such as GPIO ports, it does not matter.
 
+use core::ops::Range;
 use core::sync::atomic::{AtomicU16, Ordering};
 
 use corehbot::port::Sensor;
@@ -43,6 +44,12 @@ const WAKING: u32 = 1080;
 const LOOKS: u32 = 2000;
 
 static KEPT_READINGS: [AtomicU16; MOST_THERMISTORS * KEPT] = [const { AtomicU16::new(0) }; MOST_THERMISTORS * KEPT];
+
+/// Where the DMA writes.
+pub fn buffer() -> Range<u32> {
+    let begin = KEPT_READINGS.as_ptr() as u32;
+    begin..begin + size_of_val(&KEPT_READINGS) as u32
+}
 
 /// The thermistors of a board.
 pub struct Thermistors {

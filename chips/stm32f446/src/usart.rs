@@ -3,6 +3,7 @@
 //!
 //! USART1 and USART2 run the same code. Each may have a host, at the same time.
 
+use core::ops::Range;
 use corehbot::port::{Received, Serial};
 use corehbot_cortex_m4::{Handover, finish_stores};
 use embassy_stm32::interrupt;
@@ -52,6 +53,14 @@ impl Queues {
     const fn new() -> Self {
         Self { ring: Ring::new(), sending: ConstStaticCell::new(Queue::new()), outgoing: Handover::new() }
     }
+}
+
+/// Where the DMA writes.
+pub fn buffers() -> [Range<u32>; 2] {
+    QUEUES.each_ref().map(|queues| {
+        let begin = queues.ring.bytes.as_ptr() as u32;
+        begin..begin + size_of_val(&queues.ring.bytes) as u32
+    })
 }
 
 /// The Console's end of the line.

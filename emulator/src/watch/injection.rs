@@ -1,6 +1,6 @@
 //! Faults that a run injects: into the bus, the drivers, the supply, the image itself.
 
-use super::{FlipEach, GPIO, PORT_SIZE, Watch};
+use super::{BadWord, FlipEach, GPIO, PORT_SIZE, Watch};
 use crate::board::Emulated;
 use crate::trap::{FALLEN, TRIGGER};
 use crate::wiring::{PORTS, RAIL};
@@ -63,6 +63,8 @@ pub enum Injection {
         /// The word before.
         word: u32,
     },
+    /// A word of RAM is damaged.
+    BadWord(BadWord),
     /// Bits of registers flip, one after the other.
     FlipEach(FlipEach),
     /// After this many step events, the trap in the image springs (see [`crate::trap`]).
@@ -151,6 +153,8 @@ impl Watch {
                 self.spring(session, host);
             }
             Injection::Storm { line, .. } => self.hold(host, line, Level::High),
+            Injection::BadWord(word) if at.0 < word.after => return,
+            Injection::BadWord(word) => self.damage(session, host, word),
             Injection::FlipEach(each) => return self.flip_next(session.board_mut(), at.0, &each),
             _ => return,
         }
