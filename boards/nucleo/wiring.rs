@@ -18,6 +18,7 @@ pub const CONNECTORS: BoardConnectors = BoardConnectors {
     outputs: OutputSet::NONE,
     sensors: &[],
     fans: &[],
+    supply_switches: &[],
     has_servo: false,
     accelerometer: Some("CN7"),
     is_bench: true,
@@ -45,7 +46,7 @@ pub static BOARD: Board = Board {
     loads: &[],
     heaters: &[],
     fans: &[],
-    supply_switch: None,
+    supply_pins: &[],
     servo: None,
     // The first four pins of the morpho connector CN7 (UM1724): the shield has PB3 to PB5.
     accelerometer: Some(SensorPins {

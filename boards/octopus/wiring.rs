@@ -9,7 +9,7 @@ use crate::{Entry, Printed};
 use corehbot::connectors::{BoardConnectors, ConnectorName, Output, OutputSet, Sensor};
 use corehbot_wiring::{
     Board, Crystal, FanPin, FanTimer, HeaterPin, HeaterTimer, Input, Mark, Pin, Port, SensorPins, SerialPort, Slot,
-    SupplySwitch, ThermistorPin, Usart,
+    ThermistorPin, Usart,
 };
 
 /// The names printed on it. M2 is one driver with two plugs. The direction line of M7 (PA14) is the clock of the debug
@@ -26,6 +26,7 @@ pub const CONNECTORS: BoardConnectors = BoardConnectors {
     outputs: OutputSet::NONE.with(Output::Bed).with(Output::He0).with(Output::He1),
     sensors: &[Sensor::Bed, Sensor::Hotend0, Sensor::Hotend1, Sensor::Hotend2, Sensor::Hotend3],
     fans: &[Some(1), Some(9), Some(4), Some(4), Some(4), Some(4)],
+    supply_switches: &ConnectorName::all(["PS-ON", "PE7", "PE8", "PE9", "PE10", "PE12", "PE13", "PE14", "PE15"]),
     has_servo: true,
     accelerometer: Some("SPI3"),
     is_bench: false,
@@ -92,8 +93,19 @@ pub static BOARD: Board = Board {
         fan_on_d(3),
         fan_on_d(4),
     ],
-    // PS_ON, with 10 kOhm to 3.3 V: a supply that hangs on it is off while the processor is in reset.
-    supply_switch: Some(SupplySwitch { pin: Pin::new(Port::E, 11), is_on_high: false }),
+    // PS_ON, with 10 kOhm to 3.3 V: a supply that hangs on it is off while the processor is in reset. Then the pins of
+    // EXP1 (Klipper's generic-bigtreetech-octopus.cfg, EXP1_1 to EXP1_8).
+    supply_pins: &[
+        Pin::new(Port::E, 11),
+        Pin::new(Port::E, 7),
+        Pin::new(Port::E, 8),
+        Pin::new(Port::E, 9),
+        Pin::new(Port::E, 10),
+        Pin::new(Port::E, 12),
+        Pin::new(Port::E, 13),
+        Pin::new(Port::E, 14),
+        Pin::new(Port::E, 15),
+    ],
     // The servo's line of BLTOUCH (J43), straight to the pin (schematic).
     servo: Some(Pin::new(Port::B, 6)),
     // SPI3, straight to the pins. PA15, PB3 and PB4 are JTAG's after a reset; a probe by two wires does without them

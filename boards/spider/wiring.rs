@@ -26,6 +26,8 @@ pub const CONNECTORS: BoardConnectors = BoardConnectors {
     outputs: OutputSet::NONE.with(Output::Bed).with(Output::He0).with(Output::He1),
     sensors: &[Sensor::Bed, Sensor::Hotend0, Sensor::Hotend1, Sensor::Hotend2],
     fans: &[None; 3],
+    // It has no connector for it: pins of EXP1.
+    supply_switches: &ConnectorName::all(["PC9", "PC10", "PC11", "PC12", "PD0", "PD1", "PD2"]),
     has_servo: false,
     // Its header for SPI has PA5 to PA7, no pins of SPI3; PB3 to PB5 and PA15 are heaters, a strip and a driver's UART.
     accelerometer: None,
@@ -86,7 +88,16 @@ pub static BOARD: Board = Board {
         FanPin { pin: Pin::new(Port::A, 14), timer: FanTimer::None, channel: 0 },
         FAN2,
     ],
-    supply_switch: None,
+    // EXP1_1 and EXP1_3 to EXP1_8 of Klipper's generic-fysetc-spider.cfg.
+    supply_pins: &[
+        Pin::new(Port::C, 9),
+        Pin::new(Port::C, 10),
+        Pin::new(Port::C, 11),
+        Pin::new(Port::C, 12),
+        Pin::new(Port::D, 0),
+        Pin::new(Port::D, 1),
+        Pin::new(Port::D, 2),
+    ],
     servo: None,
     accelerometer: None,
     serial: &[SerialPort { usart: Usart::One, tx: Pin::new(Port::A, 9), rx: Pin::new(Port::A, 10), baud: 250_000 }],

@@ -134,7 +134,7 @@ impl HeatWatch {
             (None, Some(truth)) => Heat::with(settings, truth),
             (None, None) => Heat::new(settings),
         };
-        heat.switch_supply(wiring.supply_switch.is_none());
+        heat.switch_supply(wiring.supply(settings).is_none());
         Self {
             wiring,
             heat,

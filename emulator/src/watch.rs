@@ -24,7 +24,7 @@ use crate::servo_line::ServoLine;
 use crate::steps::Recorder;
 use crate::terminal::Terminal;
 use crate::timer::Schedule;
-use crate::wiring::{BRR, Load, PORTS, ProbeInput, SettingsMemory, Wiring};
+use crate::wiring::{BRR, Load, PORTS, ProbeInput, SettingsMemory, SupplyLine, Wiring};
 use corehbot::motors::{EndstopSet, prototype};
 use corehbot::settings::Settings;
 use corehbot_sim::heat_plant::HeatSetup;
@@ -76,6 +76,8 @@ pub struct Watch {
     pub servo: ServoLine,
     /// The accelerometer's bus.
     pub sensor_bus: SensorBus,
+    /// The line that switches the machine's power supply.
+    supply: Option<SupplyLine>,
     /// The machine's heat.
     pub heat: HeatWatch,
     /// The host outside, with a hand at the machine.
@@ -132,6 +134,7 @@ impl Watch {
             drivers,
             mechanics: Mechanics::rigid(settings),
             probe: wiring.probe(settings),
+            supply: wiring.supply(settings),
             endstops: None,
             patience,
             injection,
@@ -176,8 +179,9 @@ impl Watch {
         self.safety.store(at.0, n, port, self.greeted);
         self.mechanics.attend(at.0, self.safety.supplied());
         self.sensor_bus.store(session.board_mut(), at, n, port);
-        if let Some(switch) = self.wiring.supply_switch.filter(|switch| switch.port == n) {
-            self.heat.switch(at.0, port.low() & switch.mask() != 0);
+        if let Some(line) = self.supply.filter(|line| line.pin.port == n) {
+            let driven = if line.is_on_high { port.high() } else { port.low() };
+            self.heat.switch(at.0, driven & line.pin.mask() != 0);
         }
         if let Some((began, micros)) = self.servo.store(at.0, n, port) {
             self.mechanics.servo(began, micros);
@@ -270,7 +274,7 @@ impl Driver<Emulated> for Watch {
             self.resets = session.resets().len();
             let at = session.resets().last().map_or(0, |r| r.at.0);
             self.safety.reset(at);
-            self.heat.switch(at, self.wiring.supply_switch.is_none());
+            self.heat.switch(at, self.supply.is_none());
             self.release(host);
             self.clock_rules.reset();
             self.sensor_bus.reset();

@@ -241,7 +241,7 @@ pub struct Wiring {
     pub heaters: &'static [(Output, Load)],
     /// FAN0 and so on.
     pub fans: &'static [Load],
-    /// The power supply of heaters, fans and motors is on while this is driven low (PS_ON); without it, always.
+    /// PS_ON, which switches the power supply of heaters, fans and motors unless a machine says otherwise.
     pub supply_switch: Option<Pin>,
     /// The line of a servo, which only a machine with a BLTouch has driven.
     pub servo: Option<Pin>,
@@ -263,7 +263,30 @@ pub struct Wiring {
     pub settings: SettingsMemory,
 }
 
+/// The line that switches the power supply.
+#[derive(Clone, Copy, Debug)]
+pub struct SupplyLine {
+    /// Its pin.
+    pub pin: Pin,
+    /// The supply is on while the pin is driven high, else while it is driven low.
+    pub is_on_high: bool,
+}
+
 impl Wiring {
+    /// The line that switches the supply of a machine; without one it is always on.
+    #[must_use]
+    pub fn supply(&self, settings: &Settings) -> Option<SupplyLine> {
+        let pin = match settings.supply.switch.as_str() {
+            "none" | "" => None,
+            "auto" | "PS-ON" => self.supply_switch,
+            // P, the letter of the port, and a number.
+            name => name.get(1..2).and_then(|port| port.chars().next()).zip(name.get(2..)?.parse().ok()).map(
+                |(port, number)| Pin::new(port, number),
+            ),
+        };
+        pin.map(|pin| SupplyLine { pin, is_on_high: settings.supply.is_on_high })
+    }
+
     /// The board of that name.
     #[must_use]
     pub fn called(name: &str) -> Option<&'static Self> {

@@ -1,10 +1,10 @@
 //! The image heats: the plant's heaters hang on its pins, and the plant's sensors on its converter.
 
 use crate::common::{Bench, MS, bench_of, firmware, heated, heated_bench, print_on, self_test_subject};
-use corehbot::connectors::{Heater, Output};
+use corehbot::connectors::{ConnectorName, Heater, Output};
 use corehbot::motors::MotorSet;
 use corehbot::port::NoStorage;
-use corehbot::settings::Settings;
+use corehbot::settings::{Settings, Supply};
 use corehbot::units::{Seconds, TICKS_PER_MS};
 use corehbot_emulator::compare::{Timing, difference, scheduled, timing};
 use corehbot_emulator::heat_pins::{Climate, Mishap, Sample};
@@ -215,7 +215,34 @@ fn f01_f02_a_broken_sensor_is_off_at_the_pin_within_half_a_second() {
 /// lags after the last power before it checks; a machine with short lags saves the test ten seconds.
 #[test]
 fn f10_a_stuck_switch_costs_the_supply_and_all_fans_run() {
+    let (seen, hotend) = stuck(heated());
+    assert!(hotend < 60.0);
+    assert!(seen.heat.edges.is_empty() && has_said(&seen, "gets warmer while switched off"), "{:?}", seen.line.said);
+    let fans = seen.heat.samples.last().unwrap().fans;
+    assert!(fans.iter().all(|fan| *fan > 0.99), "{fans:?}");
+}
+
+/// The machine file names a pin of EXP1 that is high for on. PS-ON is not driven then.
+#[test]
+fn another_pin_switches_the_supply_if_the_machine_says_so() {
     let mut settings = heated();
+    settings.supply = Supply { switch: ConnectorName::lit("PE7"), is_on_high: true };
+    let (seen, _) = stuck(settings);
+    let [pin, own] = [7, 11].map(|bit| seen.driven[usize::from(b'E' - b'A')] >> bit & 1);
+    assert_eq!((pin, own), (1, 0));
+}
+
+/// No output is driven if the machine has no switch, and the supply stays on.
+#[test]
+fn no_pin_switches_the_supply_of_a_machine_without_a_switch() {
+    let mut settings = heated();
+    settings.supply.switch = ConnectorName::lit("none");
+    let seen = print_on(&firmware(), "G4 S1\n", &bench_of(settings));
+    assert_eq!(seen.driven[usize::from(b'E' - b'A')] & (1 << 11 | 0b11111 << 7), 0, "no pin of these");
+}
+
+/// The switch of an unheated hotend conducts until the supply goes off; and the hotend's temperature then.
+fn stuck(mut settings: Settings) -> (Seen, f64) {
     let model = &mut settings.thermal.heaters.hotend.model;
     (model.heater_lag, model.sensor_lag) = (Seconds::lit("0.1"), Seconds::lit("0.1"));
     let mishap = Mishap { after: 1000 * MS, what: |faults| faults.hotend_heater = HeaterFault::STUCK_ON };
@@ -226,10 +253,8 @@ fn f10_a_stuck_switch_costs_the_supply_and_all_fans_run() {
     let [(_, true), (off, false)] = seen.heat.supply[..] else { panic!("{:?}", seen.heat.supply) };
     let [hotend, _] = seen.heat.celsius_at(off).unwrap();
     println!("supply off after {} ms at {hotend:.1} C", (off - at) / MS);
-    assert!(off - at < 5000 * MS && hotend < 60.0);
-    assert!(seen.heat.edges.is_empty() && has_said(&seen, "gets warmer while switched off"), "{:?}", seen.line.said);
-    let fans = seen.heat.samples.last().unwrap().fans;
-    assert!(fans.iter().all(|fan| *fan > 0.99), "{fans:?}");
+    assert!(off - at < 5000 * MS);
+    (seen, hotend)
 }
 
 /// F15 through the converter of the internal reference, which is not the thermistors'.

@@ -252,6 +252,7 @@ fn plugged(error: &ConnectorError) -> String {
                 Plugged::Probe => "endstops.probe".to_owned(),
                 Plugged::Filament => "endstops.filament".to_owned(),
                 Plugged::Tachometer(fan) => format!("fans.fan{fan}.tachometer"),
+                Plugged::Supply => "supply.switch".to_owned(),
             }
         }
         ConnectorError::NoSuchOutput(heater, ..) => format!("heaters.{}.output", heater.name()),

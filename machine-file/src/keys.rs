@@ -87,7 +87,7 @@ const OTHERS: [Other; 3] = [
 ];
 
 /// The subject of each table.
-pub(crate) const TABLES: [(&str, &str); 43] = [
+pub(crate) const TABLES: [(&str, &str); 44] = [
     ("", "A machine of CoreH-bot firmware. What is left out is as in the prototype."),
     (
         "mechanism",
@@ -118,6 +118,7 @@ pub(crate) const TABLES: [(&str, &str); 43] = [
     ("safe_z_home", "Where its switch homes z, and how far z rises before anything is homed."),
     ("accelerometer", "The accelerometer at the tool, by which resonances are measured (TEST_RESONANCES)."),
     ("accelerometer.axes", "The axis of the sensor that points along each axis of the machine."),
+    ("supply", "The power supply's switch (PS_ON): the last resort against a heater that does not go off."),
     ("homing", "How each axis finds its endstop, where that is, and in which order."),
     ("drivers", "The configuration of the motor drivers (TMC2209) where they have a UART."),
     ("drivers.belt", "Drivers of the motors that move x or y."),
@@ -259,6 +260,7 @@ pub(crate) const fn fraction(kind: ValueKind) -> u32 {
         | ValueKind::Name
         | ValueKind::MotorName
         | ValueKind::Plug
+        | ValueKind::Connector
         | ValueKind::Thermistor
         | ValueKind::MotorRow => 0,
     }

@@ -91,7 +91,7 @@ fn range(row: &Row, text: &Text) -> String {
         ValueKind::Choice(name) => names_of(name).join(", "),
         ValueKind::Name => "24 characters".to_owned(),
         ValueKind::MotorName => "4 characters".to_owned(),
-        ValueKind::Plug => "8 characters".to_owned(),
+        ValueKind::Plug | ValueKind::Connector => "8 characters".to_owned(),
         ValueKind::Thermistor => "see [heat](../explanation/heat.md)".to_owned(),
         ValueKind::MotorRow => "3 or 4 numbers".to_owned(),
     };

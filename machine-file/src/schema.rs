@@ -149,6 +149,7 @@ fn of_kind(kind: ValueKind, legal: Legal) -> Value {
         ValueKind::Name => json!({ "type": "string" }),
         ValueKind::MotorName => json!({ "type": "string", "pattern": MOTOR_NAME }),
         ValueKind::Plug => json!({ "type": "string", "pattern": r"^(|!?[\x22-\x7e]{1,8})$" }),
+        ValueKind::Connector => json!({ "type": "string", "pattern": r"^[\x22-\x7e]{0,8}$" }),
         ValueKind::Thermistor => {
             let of_range = |legal: Legal| number("integer", ValueKind::Whole, legal);
             let numbers = json!({

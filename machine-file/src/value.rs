@@ -58,6 +58,11 @@ pub(crate) fn value(key: &str, toml: &Toml, kind: ValueKind, legal: Legal) -> Re
             Toml::String(name) => plug(key, name),
             other => Err(MachineFileError::kind(key, "the name of a connector in quotes", other)),
         },
+        // No name begins with the mark that inverts.
+        ValueKind::Connector => match toml {
+            Toml::String(name) if !name.starts_with('!') => plug(key, name),
+            other => Err(MachineFileError::kind(key, "the name of an output in quotes, without !", other)),
+        },
         ValueKind::Thermistor => thermistor::read(key, toml).map(|thermistor| thermistor.get()),
         ValueKind::MotorRow => match toml {
             Toml::Array(items) => motor_row(key, items).map(|row| row.get()),
@@ -165,7 +170,8 @@ pub(crate) fn toml(value: &Value, kind: ValueKind) -> Option<Toml> {
             | ValueKind::Place
             | ValueKind::Name
             | ValueKind::MotorName
-            | ValueKind::Plug,
+            | ValueKind::Plug
+            | ValueKind::Connector,
         ) => (*number).into(),
         (Value::Text(text), _) => text.as_str().into(),
     })

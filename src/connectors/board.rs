@@ -26,6 +26,9 @@ pub struct BoardConnectors {
     /// The timer of each fan output, FAN0 and so on. Fans on one timer share its frequency; without a number a fan's
     /// frequency is fixed.
     pub fans: &'static [Option<u8>],
+    /// Outputs that may switch the power supply, in the order of the board's table of pins: its own connector for that,
+    /// and pins of headers that no part uses.
+    pub supply_switches: &'static [ConnectorName],
     /// It has the line of a servo, which a BLTouch needs.
     pub has_servo: bool,
     /// The name of its connector for an accelerometer (SPI).
@@ -48,6 +51,7 @@ impl BoardConnectors {
         outputs: OutputSet::NONE,
         sensors: &[],
         fans: &[],
+        supply_switches: &[],
         has_servo: true,
         accelerometer: Some("SPI"),
         is_bench: true,
@@ -91,6 +95,7 @@ pub(crate) mod samples {
         outputs: OutputSet::NONE.with(Output::Bed).with(Output::He0).with(Output::He1),
         sensors: &[Sensor::Bed, Sensor::Hotend0, Sensor::Hotend1, Sensor::Hotend2, Sensor::Hotend3],
         fans: &[Some(1), Some(9), Some(4), Some(4), Some(4), None],
+        supply_switches: &names(["PS-ON", "PE7"]),
         has_servo: true,
         accelerometer: Some("SPI3"),
         is_bench: false,
@@ -105,6 +110,7 @@ pub(crate) mod samples {
         inputs: &names(["X-MIN", "Y-MIN", "Z-MIN", "X-MAX", "Y-MAX", "Z-MAX"]),
         shared_inputs: &[],
         debug_sockets: &[],
+        supply_switches: &names(["PC9"]),
         has_servo: false,
         accelerometer: None,
         ..PRINTER
@@ -119,6 +125,7 @@ pub(crate) mod samples {
         outputs: OutputSet::NONE,
         sensors: &[],
         fans: &[],
+        supply_switches: &[],
         is_bench: true,
         ..OTHER
     };

@@ -6,7 +6,7 @@
 //! rows. Other places that depend on a setting:
 //!
 //! - Field, default and row: here, or `accelerometer`, `axis`, `bed`, `belt`, `endstops`, `fan_plugs`, `job`, `pause`,
-//!   `probe`, `safe_z_home`, `sensors`, `shaping`, `drivers`, `thermal`, `wiring`. Checked by the compiler
+//!   `probe`, `safe_z_home`, `sensors`, `shaping`, `supply`, `drivers`, `thermal`, `wiring`. Checked by the compiler
 //!   (`prototype`) and `tests/setting_rows.rs`.
 //! - Range of a new kind of quantity: `ranges`. A limit that depends on other settings: `check`; on the board:
 //!   `plugged`. Checked by `tests/setting_ranges.rs`.
@@ -50,6 +50,7 @@ mod screws;
 mod sensors;
 mod shaping;
 mod spec;
+mod supply;
 pub mod table;
 mod thermal;
 mod wiring;
@@ -75,6 +76,7 @@ pub use safe_z_home::SafeZHome;
 pub use screws::{Screw, WholePlace};
 pub use sensors::{EXTRA_SENSORS, ExtraSensor, PLACES, SensorSource};
 pub use shaping::{Advance, Shaper, ShaperKind, Shapers};
+pub use supply::Supply;
 pub use thermal::{
     Bounds, Control, FanRole, FanSettings, Guards, HeaterModel, HeaterSettings, Heaters, Law, Pid, Plausible, SHEETS,
     Sheet, ThermalSettings, Thermistor, part_fans,
@@ -82,7 +84,7 @@ pub use thermal::{
 pub use wiring::{EndstopPlug, MotorPlug, Wiring};
 
 use crate::accelerometer::SensorAxis;
-use crate::connectors::{FANS, Output, Sensor};
+use crate::connectors::{ConnectorName, FANS, Output, Sensor};
 use crate::kinematics::{Mechanism, Row, SCREWS, multiple};
 use crate::motors::{MOTORS, Motor, MotorName, prototype};
 use crate::units::{
@@ -191,6 +193,8 @@ pub struct Settings {
     pub accelerometer: AccelerometerSettings,
     /// Where its switch homes z, and how far z rises before.
     pub safe_z_home: SafeZHome,
+    /// How the power supply is switched.
+    pub supply: Supply,
 }
 
 impl Settings {
@@ -259,6 +263,7 @@ impl Settings {
             fan_pulses: fan_plugs::USUAL_PULSES,
             accelerometer: AccelerometerSettings::prototype(),
             safe_z_home: SafeZHome::prototype(),
+            supply: Supply::prototype(),
         }
     };
 
@@ -350,6 +355,7 @@ impl Settings {
             fan_pulses: _,
             accelerometer: _,
             safe_z_home: _,
+            supply,
         } = *self;
         mechanism == other.mechanism
             && wiring == other.wiring
@@ -358,6 +364,7 @@ impl Settings {
             && kind == other.probe.kind
             && filament == other.filament
             && fans == other.fans
+            && supply == other.supply
             && is_closed == other.belt.is_closed
     }
 
@@ -422,7 +429,7 @@ places! {
         StepsPerMm(StepsPerMm), Hertz(Hertz), Seconds(Seconds), Ratio(Ratio), Celsius(Celsius), Watts(Watts),
         JoulesPerKelvin(JoulesPerKelvin), WattsPerKelvin(WattsPerKelvin), MaybeMm(Option<Mm>),
         MaybeSeconds(Option<Seconds>), Thermistor(Thermistor), MotorRow(Row);
-    names: MachineName, MotorName, MotorPlug, EndstopPlug;
+    names: MachineName, MotorName, MotorPlug, EndstopPlug, ConnectorName;
     others: Deviation, SquareCorner;
 }
 

@@ -19,6 +19,8 @@ pub enum Plugged {
     Filament,
     /// The tachometer of a fan.
     Tachometer(u8),
+    /// The switch of the power supply.
+    Supply,
 }
 
 /// A part plugged in at an impossible connector.
@@ -91,6 +93,9 @@ impl Settings {
         contacts.check(board, BoardConnectors::is_one_line)?;
         if board.is_simulated {
             return Ok(());
+        }
+        if let Some(output) = self.supply.output(board).filter(|output| !board.supply_switches.contains(output)) {
+            return Err(ConnectorError::NoSuch(Plugged::Supply, output, board));
         }
         if self.has_servo() && !board.has_servo {
             return Err(ConnectorError::NoServo(board));
@@ -210,6 +215,7 @@ impl Plugged {
         match self {
             Self::Motor(_) => board.sockets,
             Self::Endstop(_) | Self::Probe | Self::Filament | Self::Tachometer(_) => board.inputs,
+            Self::Supply => board.supply_switches,
         }
     }
 }
@@ -222,6 +228,7 @@ impl Display for Plugged {
             Self::Probe => put!(f, "probe"),
             Self::Filament => put!(f, "filament sensor"),
             Self::Tachometer(fan) => put!(f, "tachometer of fan{fan}"),
+            Self::Supply => put!(f, "power supply"),
         }
     }
 }

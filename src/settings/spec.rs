@@ -53,6 +53,8 @@ pub enum ValueKind {
     MotorName,
     /// The name of a connector, with `!` before it if it is inverted.
     Plug,
+    /// The name of a connector.
+    Connector,
     /// The name of a thermistor, or its numbers.
     Thermistor,
     /// The turn of a motor for a step of each axis.

@@ -60,6 +60,7 @@ files! {
     corner,
     safe_z_home::place,
     safe_z_home,
+    supply,
     sensors,
     shaping,
     shaping::advance,

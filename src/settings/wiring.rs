@@ -132,6 +132,19 @@ impl Field for EndstopPlug {
     }
 }
 
+impl Field for ConnectorName {
+    fn get(&self) -> Value {
+        text(["", self.as_str()])
+    }
+
+    fn set(&mut self, value: &Value) -> bool {
+        let Value::Text(text) = value else { return false };
+        let Some(name) = Self::new(text) else { return false };
+        *self = name;
+        true
+    }
+}
+
 impl Field for MotorName {
     fn get(&self) -> Value {
         text(["", self.as_str()])

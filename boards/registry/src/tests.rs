@@ -104,6 +104,9 @@ fn names_and_pins_are_those_of_the_readme() {
         if let (Some(name), Some(pins)) = (board.connectors.accelerometer, board.accelerometer) {
             is_told(name, &[pins.clock, pins.miso, pins.mosi, pins.select]);
         }
+        for (name, pin) in board.connectors.supply_switches.iter().zip(board.supply_pins) {
+            is_told(name.as_str(), &[*pin]);
+        }
         for (name, input) in board.connectors.inputs.iter().zip(board.inputs) {
             let (pin, circuit) = (pin_name(input.pin), input.circuit.name());
             let is_told =
@@ -118,7 +121,7 @@ fn names_and_pins_are_those_of_the_readme() {
 fn no_board_has_a_name_twice() {
     for board in all() {
         assert!(board.debug_sockets.iter().all(|name| board.sockets.contains(name)));
-        for names in [board.sockets, board.inputs] {
+        for names in [board.sockets, board.inputs, board.supply_switches] {
             assert!(names.iter().all(|name| names.iter().filter(|other| *other == name).count() == 1));
             assert!(names.iter().all(|name| !name.is_none()));
         }

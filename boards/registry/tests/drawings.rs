@@ -138,10 +138,9 @@ fn lines(board: &Board) -> Group {
         card(port.usart.name(), "a host", pins)
     });
     let usb = board.has_usb.then(|| card("USB", "a host", USB.map(name).join(", ")));
-    let supply = board.supply_switch.map(|switch| {
-        let level = if switch.is_on_high { "high is on" } else { "low is on" };
-        card("power supply", "switched", format!("{}, {level}", name(switch.pin)))
-    });
+    let supply = board.connectors.supply_switches.iter().zip(board.supply_pins);
+    let supply = supply.filter(|(printed, _)| printed.as_str() == "PS-ON");
+    let supply = supply.map(|(printed, pin)| card(printed, "power supply", format!("{}, low is on", name(*pin))));
     let sensor = board.accelerometer.zip(board.connectors.accelerometer).map(|(pins, printed)| {
         let [clock, miso, mosi, select] = [pins.clock, pins.miso, pins.mosi, pins.select].map(name);
         card(printed, "accelerometer", format!("SCK {clock} SDO {miso} SDA {mosi} CS {select}"))

@@ -35,7 +35,7 @@ impl BoardHeat {
         let board = plugged.board;
         let thermistors = Thermistors::start(board.thermistors);
         let reference = (!board.thermistors.is_empty()).then(ReferenceVoltage::start);
-        if let Some(switch) = board.supply_switch {
+        if let Some(switch) = plugged.supply_switch {
             ports::put(switch.pin, is_supplied == switch.is_on_high);
             // Modes change only here: a later change of the register would race with interrupts and lose their changes.
             ports::make_output(switch.pin);
@@ -46,7 +46,7 @@ impl BoardHeat {
             reference,
             timer: HeaterTimer::start(board.heaters),
             fans: Fans::start(board.fans, plugged.frequencies),
-            supply_switch: board.supply_switch,
+            supply_switch: plugged.supply_switch,
             filament: plugged.filament,
             tachometers: Tachometers::start(plugged.tachometers),
             is_sampled: true,

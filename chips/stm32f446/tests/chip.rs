@@ -78,7 +78,7 @@ fn pins(board: &Board) -> Vec<(Pin, String)> {
         loads,
         heaters,
         fans,
-        supply_switch,
+        supply_pins,
         servo,
         accelerometer,
         serial,
@@ -109,7 +109,7 @@ fn pins(board: &Board) -> Vec<(Pin, String)> {
     }
     pins.extend(thermistors.iter().map(|t| (t.pin, format!("{:?}", t.sensor))));
     pins.extend(loads.iter().map(|pin| (*pin, "load".into())));
-    pins.extend(supply_switch.map(|switch| (switch.pin, "supply switch".into())));
+    pins.extend(supply_pins.iter().map(|pin| (*pin, "supply switch".into())));
     pins.extend(servo.map(|pin| (pin, "servo".into())));
     pins.extend(accelerometer.iter().flat_map(sensor_pins).map(|(pin, signal)| (pin, signal.into())));
     pins.extend(serial.iter().flat_map(|port| [(port.tx, "tx".into()), (port.rx, "rx".into())]));

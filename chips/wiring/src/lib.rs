@@ -284,13 +284,12 @@ pub struct FanPin {
     pub channel: u8,
 }
 
-/// The line that switches the power supply.
+/// The line that switches the power supply of a machine.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct SupplySwitch {
     /// An output.
     pub pin: Pin,
-    /// Its level at which the supply is on: low for an ATX supply (PS_ON#; ATX12V design guide, section on PS_ON#), and
-    /// so for Marlin unless told otherwise (`PSU_ACTIVE_STATE LOW`).
+    /// Its level at which the supply is on.
     pub is_on_high: bool,
 }
 
@@ -333,8 +332,8 @@ pub struct Board {
     pub heaters: &'static [HeaterPin],
     /// Fan outputs, FAN0 and so on.
     pub fans: &'static [FanPin],
-    /// The switch of the power supply.
-    pub supply_switch: Option<SupplySwitch>,
+    /// Pins that may switch the power supply, in the order of the connectors' `supply_switches`. None has another job.
+    pub supply_pins: &'static [Pin],
     /// The line of a servo, for a BLTouch. TIM3 makes its pulses, so no heater is on that timer.
     pub servo: Option<Pin>,
     /// The connector of an accelerometer.

@@ -3,9 +3,9 @@
 use corehbot::connectors::{ConnectorName, FANS};
 use corehbot::motors::{MOTORS, prototype};
 use corehbot::port::{Motor, MotorSet};
-use corehbot::settings::{ConnectorError, EndstopPlug, Settings};
+use corehbot::settings::{ConnectorError, EndstopPlug, Settings, Supply};
 
-use crate::{Board, Contact, Input, Pin, Port, Slot, bits};
+use crate::{Board, Contact, Input, Pin, Port, Slot, SupplySwitch, bits};
 
 /// A board with each motor of a machine at a driver and each switch at an input. Drivers without a motor are left off.
 #[derive(Clone, Copy, Debug)]
@@ -24,6 +24,8 @@ pub struct Plugged {
     pub filament: Option<Contact>,
     /// The line of the servo, if the machine has a probe with one.
     pub servo: Option<Pin>,
+    /// The switch of the power supply, if the machine has one.
+    pub supply_switch: Option<SupplySwitch>,
     /// The tachometer of each fan that has one.
     pub tachometers: [Option<Input>; FANS],
     /// The frequency of each fan in Hz; 0 is the board's own.
@@ -47,6 +49,7 @@ impl Board {
             probe: None,
             filament: None,
             servo: None,
+            supply_switch: self.supply_switch(&Settings::prototype().supply),
             tachometers: [None; FANS],
             frequencies: [0; FANS],
         }
@@ -73,10 +76,19 @@ impl Board {
         }
         plugged.probe = self.contact(machine.probe_plug);
         plugged.filament = self.contact(machine.filament);
+        plugged.supply_switch = self.supply_switch(&machine.supply);
         plugged.servo = self.servo.filter(|_| machine.has_servo());
         plugged.tachometers = machine.fans.map(|fan| self.input(fan.tachometer.input()));
         plugged.frequencies = machine.fan_frequencies(self.connectors);
         Ok(plugged)
+    }
+
+    /// The switch of a machine's power supply.
+    fn supply_switch(&self, supply: &Supply) -> Option<SupplySwitch> {
+        let output = supply.output(self.connectors)?;
+        let mut outputs = self.connectors.supply_switches.iter().zip(self.supply_pins);
+        let (_, pin) = outputs.find(|(name, _)| **name == output)?;
+        Some(SupplySwitch { pin: *pin, is_on_high: supply.is_on_high })
     }
 
     /// The driver in the socket of that name.

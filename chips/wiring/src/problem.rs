@@ -48,6 +48,9 @@ impl Board {
         if self.connectors.sockets.len() != self.sockets.len() || self.connectors.inputs.len() != self.inputs.len() {
             return Some("there are more or fewer names than sockets or inputs");
         }
+        if self.connectors.supply_switches.len() != self.supply_pins.len() {
+            return Some("there are more or fewer names than pins for the supply's switch");
+        }
         let inputs = || self.connectors.inputs.iter().zip(self.inputs);
         // The core sees connectors alone. Only by them it can refuse a machine with two switches in one line.
         let is_told = |(a, one): (&ConnectorName, &Input), (b, other): (&ConnectorName, &Input)| {
@@ -104,7 +107,7 @@ impl Board {
             loads,
             heaters,
             fans,
-            supply_switch,
+            supply_pins,
             servo,
             accelerometer,
             serial,
@@ -126,7 +129,7 @@ impl Board {
             .chain(USB.into_iter().filter(move |_| has_usb))
             .chain(eeprom.into_iter().flatten())
             .chain(thermistors.iter().map(|thermistor| thermistor.pin))
-            .chain(supply_switch.map(|switch| switch.pin))
+            .chain(supply_pins.iter().copied())
             .chain(servo)
             .chain(
                 accelerometer

@@ -2,8 +2,9 @@
 
 use super::*;
 use corehbot::connectors::{BoardConnectors, ConnectorName};
-use corehbot::motors::prototype;
+use corehbot::motors::{MOTORS, prototype};
 use corehbot::port::MotorSet;
+use corehbot::settings::{Settings, Supply};
 
 const NAMES: BoardConnectors = BoardConnectors {
     sockets: &ConnectorName::all(["X"]),
@@ -26,7 +27,7 @@ fn board(uart: Option<Pin>) -> Board {
         loads: &[],
         heaters: &[],
         fans: &[],
-        supply_switch: None,
+        supply_pins: &[],
         servo: None,
         accelerometer: None,
         serial: &[],
@@ -151,4 +152,30 @@ fn two_fans_do_not_share_a_channel() {
         assert!(with(vec![fan].leak()).problem().is_some(), "{wrong:?}");
     }
     assert!(Board { loads: &[], ..with(const { &[FAN] }) }.problem().is_some());
+}
+
+/// A pin for the supply's switch has no other job, and a machine chooses one of them.
+#[test]
+fn a_machine_switches_its_supply_by_one_of_the_pins_or_by_none() {
+    const OWN: BoardConnectors =
+        BoardConnectors { supply_switches: &ConnectorName::all(["PS-ON", "PE7"]), is_simulated: false, ..NAMES };
+    const PINS: [Pin; 2] = [Pin::new(Port::E, 11), Pin::new(Port::E, 7)];
+    let good = Board { connectors: &OWN, supply_pins: &PINS, ..board(None) };
+    assert_eq!(good.problem(), None);
+    assert!(Board { supply_pins: const { &[PINS[0], PINS[0]] }, ..good }.problem().is_some());
+    assert!(Board { supply_pins: const { &[PINS[0]] }, ..good }.problem().is_some());
+    let board: &'static Board = Box::leak(Box::new(good));
+    let switch = |name: &str, is_on_high| {
+        let mut machine = Settings::prototype();
+        machine.mechanism = corehbot::kinematics::Mechanism { rows: [[0; 4]; MOTORS], ..machine.mechanism };
+        let axes = &mut machine.wiring.endstops;
+        [axes.x.connector, axes.y.connector, axes.z.connector] = ["X", "Y", "Z"].map(ConnectorName::lit);
+        machine.supply = Supply { switch: ConnectorName::lit(name), is_on_high };
+        board.plugged(&machine).map(|plugged| plugged.supply_switch)
+    };
+    let is = |pin, is_on_high| Ok(Some(SupplySwitch { pin, is_on_high }));
+    assert_eq!(switch("auto", false), is(PINS[0], false));
+    assert_eq!(switch("PE7", true), is(PINS[1], true));
+    assert_eq!((switch("none", true), switch("PE8", true).is_err()), (Ok(None), true));
+    assert_eq!(board.usual().supply_switch, Some(SupplySwitch { pin: PINS[0], is_on_high: false }));
 }

@@ -63,6 +63,7 @@ mod slowness;
 mod soak;
 mod start_blocks;
 mod stopped;
+mod supply;
 #[path = "../../../tests/support/mod.rs"]
 mod support;
 mod tmc2209;

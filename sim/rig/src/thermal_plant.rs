@@ -39,6 +39,7 @@ pub struct Heat {
     fan_pulses: u8,
     /// Pulses that each fan's tachometer would have given.
     pulses: [f64; FANS],
+    has_supply_switch: bool,
     is_supplied: bool,
     /// The extruder's steps at the last advance.
     extruded: i32,
@@ -66,6 +67,7 @@ impl Heat {
             plugs: settings.fans,
             fan_pulses: settings.fan_pulses,
             pulses: [0.0; FANS],
+            has_supply_switch: !settings.supply.is_none(),
             is_supplied: true,
             extruded: 0,
         }
@@ -291,10 +293,10 @@ impl ThermalPort for Heat {
     }
 
     fn has_supply_switch(&self) -> bool {
-        true
+        self.has_supply_switch
     }
 
     fn switch_supply(&mut self, on: bool) {
-        self.is_supplied = on;
+        self.is_supplied = on || !self.has_supply_switch;
     }
 }

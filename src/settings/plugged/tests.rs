@@ -225,3 +225,24 @@ fn a_bench_has_sockets_for_some() {
     assert_eq!([prototype::M8, prototype::Z1].map(|motor| s.wiring.of(motor).connector.to_string()), ["A", ""]);
     assert_eq!(error(&s, &PRINTER), "motor m1: the sample has no connector X; it has M0, M1, M2, M3, M4, M5, M6, M7");
 }
+
+/// The prototype's "auto" is legal on every board; a named output must be there.
+#[test]
+fn the_supply_is_switched_by_an_output_of_the_board_or_by_none() {
+    let with = |name| {
+        let mut s = Settings::prototype();
+        s.supply.switch = ConnectorName::lit(name);
+        s
+    };
+    for name in ["auto", "none", "", "PE7"] {
+        assert_eq!(with(name).check_connectors(&PRINTER), Ok(()), "{name}");
+    }
+    assert_eq!(
+        error(&with("PE3"), &PRINTER),
+        "power supply: the sample has no connector PE3; it has PE7, PS-ON"
+    );
+    let mut other = with("PS-ON");
+    other.name_connectors(&OTHER);
+    assert_eq!(error(&other, &OTHER), "power supply: the other has no connector PS-ON; it has PC9");
+    assert_eq!(with("PE3").check_connectors(&BoardConnectors::ANY), Ok(()));
+}
