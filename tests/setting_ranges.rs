@@ -45,7 +45,7 @@ const LEAST: [i64; 4] = [i64::MIN, i32::MIN as i64, i16::MIN as i64, 0];
 
 /// Numbers that are legal with any value; and numbers with 0 as a legal value, which usually switches something off.
 const ANY: [&str; 1] = ["stall_threshold"];
-const MAY_BE_0: [&str; 28] = [
+const MAY_BE_0: [&str; 29] = [
     "z_jerk",
     "quiet",
     "retries",
@@ -58,6 +58,7 @@ const MAY_BE_0: [&str; 28] = [
     "homing_advance",
     "period_ms",
     "fan_loss",
+    "ptc",
     "p",
     "i",
     "d",

@@ -152,7 +152,7 @@ fn implausible(
     power: Watts,
     model: &HeaterModel,
 ) -> (String, String) {
-    let HeaterModel { capacity, loss, fan_loss, heater_lag, sensor_lag } = *model;
+    let HeaterModel { capacity, loss, fan_loss, heater_lag, sensor_lag, ptc: _ } = *model;
     let whole = plausible.whole_loss(loss);
     let of = |least: f64, most: f64, unit: &str| format!("{} to {} {unit}", rounded(least), rounded(most));
     let (value, legal) = match key {

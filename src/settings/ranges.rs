@@ -124,6 +124,8 @@ pub const LOSS: Range<WattsPerKelvin> =
     Range { least: WattsPerKelvin::lit("0.001"), most: WattsPerKelvin::const_from_int(100) };
 /// Lags: the observer runs 50 times a second, and a lag of more than minutes is not useful.
 pub const LAG: Range<Seconds> = Range { least: Seconds::lit("0.1"), most: Seconds::const_from_int(120) };
+/// Growth of a PTC heater's resistance for each K: metals have up to 0.0045 (nickel 0.006), copper 0.0039.
+pub const PTC: Range<Ratio> = Range { least: Ratio::ZERO, most: Ratio::lit("0.01") };
 /// Gains of PID.
 pub const GAIN: Range<Ratio> = Range { least: Ratio::ZERO, most: Ratio::const_from_int(20_000) };
 /// The part of its heat that has to be found again: less than 0.2 finds no loose cartridge, more than 0.6 alarms at 20

@@ -76,6 +76,8 @@ pub struct Tuned {
     pub i: u32,
     /// Of PID.
     pub d: u32,
+    /// Growth of its resistance, in 1/K.
+    pub ptc: u32,
 }
 
 /// Temperatures, duties and filament. Written by the thermal context; fields with another writer name it.
@@ -102,7 +104,7 @@ pub struct Heat {
     /// Control periods since start.
     periods: AtomicU32,
     tuning: AtomicU32,
-    tuned: [AtomicU32; 7],
+    tuned: [AtomicU32; 8],
     self_test: AtomicU8,
     /// Filament extruded, in um, wrapping; written by the Console.
     extruded_um: AtomicU32,
@@ -147,7 +149,7 @@ impl Heat {
             filament: AtomicU8::new(0),
             periods: AtomicU32::new(0),
             tuning: AtomicU32::new(0),
-            tuned: [const { AtomicU32::new(0) }; 7],
+            tuned: [const { AtomicU32::new(0) }; 8],
             self_test: AtomicU8::new(SelfTest::None as u8),
             extruded_um: AtomicU32::new(0),
             coming: AtomicU32::new(0),
@@ -274,8 +276,8 @@ impl Heat {
     /// The result of a tuning.
     #[must_use]
     pub fn tuned(&self) -> Tuned {
-        let [capacity, loss, fan_loss, lag, p, i, d] = self.tuned.each_ref().map(|word| word.load(Relaxed));
-        Tuned { capacity, loss, fan_loss, lag, p, i, d }
+        let [capacity, loss, fan_loss, lag, p, i, d, ptc] = self.tuned.each_ref().map(|word| word.load(Relaxed));
+        Tuned { capacity, loss, fan_loss, lag, p, i, d, ptc }
     }
 
     pub(crate) fn set_sample(&self, sensor: Sensor, sample: Option<u16>) {
@@ -337,8 +339,8 @@ impl Heat {
     }
 
     pub(crate) fn set_tuned(&self, tuned: &Tuned) {
-        let Tuned { capacity, loss, fan_loss, lag, p, i, d } = *tuned;
-        for (place, bits) in self.tuned.iter().zip([capacity, loss, fan_loss, lag, p, i, d]) {
+        let Tuned { capacity, loss, fan_loss, lag, p, i, d, ptc } = *tuned;
+        for (place, bits) in self.tuned.iter().zip([capacity, loss, fan_loss, lag, p, i, d, ptc]) {
             place.store(bits, Relaxed);
         }
     }

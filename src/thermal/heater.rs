@@ -12,7 +12,7 @@ use super::switching::Switching;
 use super::tune::Tune;
 use crate::connectors::Heater;
 use crate::fault::Cause;
-use crate::settings::{Bounds, Control, HeaterSettings};
+use crate::settings::{Control, HeaterSettings};
 use crate::units::{Celsius, Power, Ratio};
 use fixed::types::I8F24;
 
@@ -208,11 +208,11 @@ impl HeaterLoop {
     }
 
     /// Begins a tuning, with the part fan too if that cools it.
-    pub fn tune(&mut self, target: Celsius, cycles: u8, has_fan: bool, bounds: &'static Bounds) -> Option<Tune> {
+    pub fn tune(&mut self, target: Celsius, cycles: u8, has_fan: bool) -> Option<Tune> {
         self.set_target(target);
         let measured = self.measured.filter(|_| self.target > Celsius::ZERO);
         self.is_tuned = measured.is_some();
-        measured.map(|measured| Tune::new(&self.settings, self.target, cycles, has_fan, bounds, measured))
+        measured.map(|measured| Tune::new((self.heater, &self.settings), self.target, cycles, has_fan, measured))
     }
 
     /// Whether a tuning that was [begun](Self::tune) is under way.
@@ -349,9 +349,11 @@ impl HeaterLoop {
         self.given
     }
 
-    /// The power at a duty.
+    /// The power at a duty: a PTC heater has less when it is hot.
     fn power_at(&self, duty: u16) -> Power {
-        self.settings.power.part(share(duty))
+        let left = self.measured.map_or(Ratio::ONE, |measured| self.settings.model.power_left(measured));
+        let part = (u64::from(share(duty).to_bits()) * u64::from(left.to_bits())) >> Ratio::FRAC_NBITS;
+        self.settings.power.part(Ratio::from_bits(part as u32))
     }
 }
 

@@ -67,7 +67,7 @@ impl Coefficients {
     /// The numbers of a heater.
     #[must_use]
     pub fn new(settings: &HeaterSettings) -> Self {
-        let HeaterModel { capacity, loss, fan_loss, heater_lag, sensor_lag } = settings.model;
+        let HeaterModel { capacity, loss, fan_loss, heater_lag, sensor_lag, ptc: _ } = settings.model;
         let [element, sensor] = [heater_lag, sensor_lag].map(|lag| lag.max(SHORTEST_LAG));
         // Lags in s with 24 fractional bits, the capacity in J/K with 16.
         let [heater_lag, sensor_lag] = [element, sensor].map(|lag| i64::from(lag.to_bits()));

@@ -112,6 +112,7 @@ impl Bytes<'_> {
                 fan_loss: WattsPerKelvin::from_bits(self.word()),
                 heater_lag: Seconds::from_bits(self.word()),
                 sensor_lag: Seconds::from_bits(self.word()),
+                ptc: Ratio::from_bits(self.word()),
             },
             pid: Pid {
                 p: Ratio::from_bits(self.word()),

@@ -10,7 +10,7 @@ use corehbot::units::{Celsius, JoulesPerKelvin, Ratio, Seconds, Watts, WattsPerK
 use corehbot_rig::plant::{HeaterFault, Plant, PlantConstants, SensorFault};
 
 /// Tunes a heater of a cold printer.
-fn tune(printer: &mut Printer, heater: Heater, target: i32) -> (Tuning, f64) {
+pub fn tune(printer: &mut Printer, heater: Heater, target: i32) -> (Tuning, f64) {
     printer.order(Order::Tune(heater, Celsius::from_num(target), 5));
     let time = printer.run_until(7200.0, |printer| {
         printer.fault().is_some()
@@ -25,7 +25,7 @@ fn a_tuned_hotend_is_the_plant_and_heats_as_well() {
     printer.run(1.0);
     let (tuning, time) = tune(&mut printer, Heater::Hotend, 215);
     assert_eq!((printer.fault(), tuning), (None, Tuning::Done));
-    let Tuned { capacity, loss, fan_loss, lag, p, i, d } = printer.status.heat().tuned();
+    let Tuned { capacity, loss, fan_loss, lag, p, i, d, ptc: _ } = printer.status.heat().tuned();
     let (capacity, loss) = (JoulesPerKelvin::from_bits(capacity), WattsPerKelvin::from_bits(loss));
     let lag = Seconds::from_bits(lag);
     let pid = Pid { p: Ratio::from_bits(p), i: Ratio::from_bits(i), d: Ratio::from_bits(d) };

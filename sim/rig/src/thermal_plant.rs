@@ -199,6 +199,8 @@ pub fn constants(thermal: &ThermalSettings) -> PlantConstants {
     let (hotend, bed) = (&thermal.heaters.hotend, &thermal.heaters.bed);
     constants.hotend.heater.nominal_watt = hotend.power.to_num();
     constants.bed.heater.nominal_watt = bed.power.to_num();
+    constants.hotend.heater.ptc_per_kelvin = hotend.model.ptc.to_num();
+    constants.bed.heater.ptc_per_kelvin = bed.model.ptc.to_num();
     constants.hotend.sensor.thermistor = law(hotend.thermistor);
     constants.bed.sensor.thermistor = law(bed.thermistor);
     let share = |heater: &HeaterSettings, prototype: f64| heater.model.capacity.to_num::<f64>() / prototype;
@@ -221,6 +223,7 @@ fn chamber(heater: &HeaterSettings) -> ChamberConstants {
     c.element_joule_per_kelvin *= share;
     c.air_joule_per_kelvin *= share;
     c.heater.nominal_watt = heater.power.to_num();
+    c.heater.ptc_per_kelvin = heater.model.ptc.to_num();
     c.sensor.thermistor = law(heater.thermistor);
     c
 }

@@ -19,12 +19,12 @@ use crate::units::{Ratio, Seconds};
 use core::pin::pin;
 
 /// The letters of its numbers.
-const NUMBERS: &[u8] = b"PCAFRLH";
+const NUMBERS: &[u8] = b"PCAFRLHK";
 
 pub(in crate::machine) const ENTRY: Entry = Entry::m("Heat and fans", &[306])
     .works_if(|command| command.has(b'T'))
-    .grammar(&Grammar::numbers(b"EPCAFRLH"))
-    .does("E P C A F R L H", "model of a heater; T tunes; or reports")
+    .grammar(&Grammar::numbers(b"EPCAFRLHK"))
+    .does("E P C A F R L H K", "model of a heater; T tunes; or reports")
     .examples(&[
         ("M306", &["echo:no heaters configured, ignored"]),
         ("M306 E-1 A3", &["echo:no heaters configured, ignored"]),
@@ -93,6 +93,9 @@ fn set_model<P: PortSet, W: Wake>(
     }
     if let Some(number) = command.number(b'L') {
         clamps.near(["M306", "L"], number, plausible.lag, &mut model.heater_lag);
+    }
+    if let Some(number) = command.number(b'K') {
+        clamps.near(["M306", "K"], number, ranges::PTC, &mut model.ptc);
     }
     // A new power alone may leave the other numbers outside their ranges.
     let is_plausible = plausible.beyond(settings.power, model).next().is_none();

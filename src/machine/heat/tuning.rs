@@ -104,6 +104,10 @@ fn report_tuned(to: &mut ReplyWriter<'_>, heater: Heater, tuned: &Tuned) {
     let loss = shortest(WattsPerKelvin::from_bits(tuned.loss));
     let lag = shortest(Seconds::from_bits(tuned.lag));
     to.say(text!("echo:{}: {capacity} J/K, {loss} W/K, lag {lag} s", heater.name()));
+    if tuned.ptc > 0 {
+        let ptc = shortest(Ratio::from_bits(tuned.ptc));
+        to.say(text!("echo:{}: PTC, resistance grows by {ptc} a K", heater.name()));
+    }
     if tuned.fan_loss > 0 {
         let fan = shortest(WattsPerKelvin::from_bits(tuned.fan_loss));
         to.say(text!("echo:{}: {fan} W/K more with the part fan", heater.name()));
@@ -184,6 +188,7 @@ fn apply(tuned: &Tuned, heater: &mut HeaterSettings) {
         heater.model.fan_loss = WattsPerKelvin::from_bits(tuned.fan_loss).min(ranges::LOSS.most);
     }
     (heater.model.heater_lag, heater.model.sensor_lag) = (lag, lag);
+    heater.model.ptc = ranges::PTC.clamp(Ratio::from_bits(tuned.ptc));
     let [p, i, d] = [tuned.p, tuned.i, tuned.d].map(|gain| ranges::GAIN.clamp(Ratio::from_bits(gain)));
     heater.pid = Pid { p, i, d };
 }

@@ -7,6 +7,7 @@ use crate::connectors::Heater;
 use crate::machine::answers::reply_writer::ReplyWriter;
 use crate::machine::numbers::{rate, shortest};
 use crate::settings::{Control, FanRole, Settings, ThermalSettings};
+use crate::units::Ratio;
 
 /// M306: the line of a heater's model.
 pub(in crate::machine) fn report_model(to: &mut ReplyWriter<'_>, heater: Heater, thermal: &ThermalSettings) {
@@ -22,7 +23,12 @@ pub(in crate::machine) fn report_model(to: &mut ReplyWriter<'_>, heater: Heater,
         Heater::Bed => ["", " E-1"],
         Heater::Chamber => ["", " E-2"],
     };
-    to.setting(text!("M306 {first}P{power} C{capacity} A{a} F{f} R{rate} L{lag} H{filament}{last}"));
+    if model.ptc == Ratio::ZERO {
+        to.setting(text!("M306 {first}P{power} C{capacity} A{a} F{f} R{rate} L{lag} H{filament}{last}"));
+    } else {
+        let ptc = shortest(model.ptc);
+        to.setting(text!("M306 {first}P{power} C{capacity} A{a} F{f} R{rate} L{lag} H{filament} K{ptc}{last}"));
+    }
 }
 
 /// M710.

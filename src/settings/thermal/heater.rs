@@ -20,13 +20,30 @@ pub struct HeaterModel {
     pub heater_lag: Seconds,
     /// Time constant from the thing heated to the sensor's reading.
     pub sensor_lag: Seconds,
+    /// How its resistance grows with temperature, in 1/K: a PTC heater has less power when it is hot. 0 for others.
+    pub ptc: Ratio,
 }
+
+/// The temperature at which a PTC heater has its nominal power.
+const NOMINAL: Celsius = Celsius::const_from_int(25);
 
 impl HeaterModel {
     /// From the heating element to the sensor's reading.
     #[must_use]
     pub const fn lag(&self) -> Seconds {
         self.heater_lag.saturating_add(self.sensor_lag)
+    }
+
+    /// The part of its nominal power that it has at a temperature: 1 / (1 + ptc (T - 25 C)).
+    #[must_use]
+    pub fn power_left(&self, at: Celsius) -> Ratio {
+        if self.ptc == Ratio::ZERO {
+            return Ratio::ONE;
+        }
+        let grown = i64::from(self.ptc.to_bits()) * i64::from(at.saturating_sub(NOMINAL).to_bits());
+        // Legal values and readings keep it above a half.
+        let resistance = ((1 << Ratio::FRAC_NBITS) + (grown >> Celsius::FRAC_NBITS)).max(1 << 15);
+        Ratio::from_bits((1 << 31) / (u32::try_from(resistance).unwrap_or(u32::MAX) >> 1).max(1))
     }
 }
 
@@ -114,6 +131,7 @@ impl HeaterSettings {
                 fan_loss: const { WattsPerKelvin::lit("0.05") },
                 heater_lag: const { Seconds::lit("1.2") },
                 sensor_lag: const { Seconds::lit("1.2") },
+                ptc: Ratio::ZERO,
             },
             pid: Pid {
                 p: const { Ratio::lit("22.2") },
@@ -143,6 +161,7 @@ impl HeaterSettings {
                 fan_loss: WattsPerKelvin::ZERO,
                 heater_lag: Seconds::const_from_int(10),
                 sensor_lag: Seconds::const_from_int(5),
+                ptc: Ratio::ZERO,
             },
             pid: Pid { p: Ratio::const_from_int(120), i: Ratio::const_from_int(1), d: Ratio::const_from_int(600) },
             guards: Guards::bed(),
@@ -161,6 +180,7 @@ impl HeaterSettings {
                 fan_loss: WattsPerKelvin::ZERO,
                 heater_lag: Seconds::const_from_int(20),
                 sensor_lag: Seconds::const_from_int(20),
+                ptc: Ratio::ZERO,
             },
             ..Self::bed(output, sensor)
         }
@@ -266,4 +286,25 @@ rows! {
     90 "guards.off_rise" = &mut heater.guards.off_rise, "K", [ranges::OFF_RISE.spec()];
     /// Overshoot without power that is a fault.
     91 "guards.overshoot" = &mut heater.guards.overshoot, "K", [ranges::OVERSHOOT.spec()];
+    /// Growth of its resistance for each K, from its power at 25 C on: a PTC heater has some 0.002 to 0.0045 (M306 K).
+    159 "model.ptc" = &mut heater.model.ptc, "1/K", [ranges::PTC.spec()];
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ptc_heater_has_less_power_when_it_is_hot() {
+        let model = HeaterSettings::hotend(Output::He0, Sensor::Hotend0).model;
+        assert_eq!(model.power_left(Celsius::const_from_int(250)), Ratio::ONE);
+        let ptc = HeaterModel { ptc: Ratio::lit("0.004"), ..model };
+        for (celsius, left) in [(25, 1.0), (225, 1.0 / 1.8), (150, 1.0 / 1.5), (-15, 1.0 / 0.84)] {
+            let found = ptc.power_left(Celsius::const_from_int(celsius)).to_num::<f64>();
+            assert!((found / left - 1.0).abs() < 0.003, "{celsius} C: {found}");
+        }
+        let steepest = HeaterModel { ptc: ranges::PTC.most, ..model };
+        assert_eq!(steepest.power_left(Celsius::MIN), Ratio::const_from_int(2));
+        assert!(steepest.power_left(Celsius::MAX) > Ratio::ZERO);
+    }
 }

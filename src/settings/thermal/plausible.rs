@@ -57,7 +57,8 @@ impl Plausible {
 
     /// The keys, as in machine files, of a model's values that no heater of this kind and power has.
     pub fn beyond(&self, power: Watts, model: &HeaterModel) -> impl Iterator<Item = &'static str> + use<> {
-        let HeaterModel { capacity, loss, fan_loss, heater_lag, sensor_lag } = *model;
+        // Any legal growth is that of some heater.
+        let HeaterModel { capacity, loss, fan_loss, heater_lag, sensor_lag, ptc: _ } = *model;
         [
             ("power", self.power.holds(power)),
             ("model.capacity", self.capacity.holds(capacity)),
@@ -76,6 +77,7 @@ mod tests {
     extern crate std;
     use super::*;
     use crate::settings::ThermalSettings;
+    use crate::units::Ratio;
     use std::vec::Vec;
 
     fn beyond(heater: Heater, power: f64, [capacity, loss, lag]: [f64; 3]) -> Vec<&'static str> {
@@ -86,6 +88,7 @@ mod tests {
             fan_loss: WattsPerKelvin::ZERO,
             heater_lag: lag,
             sensor_lag: lag,
+            ptc: Ratio::ZERO,
         };
         Plausible::of(heater, power).beyond(power, &model).collect()
     }

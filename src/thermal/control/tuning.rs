@@ -4,7 +4,6 @@ use super::super::tune::Tune;
 use super::ThermalControl;
 use crate::connectors::Heater;
 use crate::port::{ThermalPort, Wake};
-use crate::settings::Bounds;
 use crate::status::Tuning;
 use crate::units::Celsius;
 
@@ -24,7 +23,7 @@ impl<H: ThermalPort, W: Wake> ThermalControl<'_, H, W> {
     pub(super) fn begin_tuning(&mut self, heater: Heater, target: Celsius, cycles: u8) {
         self.stop_tuning();
         let has_fan = heater == Heater::Hotend && self.has_part_fan();
-        let tune = self.heaters[heater as usize].tune(target, cycles, has_fan, Bounds::of(heater));
+        let tune = self.heaters[heater as usize].tune(target, cycles, has_fan);
         self.tune = tune.map(|tune| (heater, tune));
     }
 

@@ -13,6 +13,9 @@
 //! | loss | mean power of whole swings, over the mean temperature above the room |
 //! | loss to the part fan | the same with the fan at full speed, less that; only of a hotend, and last |
 //! | capacity | heat of the way up less losses, over the rise between two points of the same slope |
+//! | loss with a second mass | the last three windows of a minute (`rest`) |
+//! | capacity with a second mass | the same, or all heat that was given, less losses, over the rise, if that is more |
+//! | PTC | two parts of the way up (`ptc`); only of a hotend, others keep theirs |
 //! | PID | relay experiment, below |
 //!
 //! The relay experiment with hysteresis h is K. Astrom's and T. Hagglund's: Ku = 4 d / (pi sqrt(a^2 - h^2)); P = 0.6
@@ -31,13 +34,18 @@
 //! All guards stay on except those of a lost target and of the model.
 
 mod find;
+mod ptc;
+mod rest;
 mod swings;
 
 use super::fixed_point::RATE;
 use super::room::ROOM;
+use crate::connectors::Heater;
 use crate::settings::{Bounds, HeaterSettings};
 use crate::status::{Tuning, TuningFailure};
 use crate::units::{Celsius, Power, Ratio};
+use ptc::WayUp;
+use rest::Rest;
 use swings::Swings;
 
 /// Swings that are skipped before those that count; the fan cools the block down first.
@@ -59,6 +67,9 @@ const HALF_WAY: i64 = 128;
 /// Cooling and rising must continue, by a kelvin in so many periods: 5 minutes. A bed of 5500 J/K with 220 W gains one
 /// in 4 minutes when a tenth of its power is left.
 const STALLED: u32 = 5 * 60 * RATE.unsigned_abs();
+
+/// A bed that does not come to rest is taken as it is after this time: 18 minutes from the first power on.
+const LONGEST_REST: u32 = 18 * 60 * RATE.unsigned_abs();
 
 /// Peaks come from a reading that is smoothed over 1/2^4 of its history: 0.3 s.
 const SMOOTHING: u32 = 4;
@@ -85,7 +96,11 @@ pub struct Tune {
     cycles: u8,
     /// The part fan cools this heater.
     has_fan: bool,
+    /// It has a second mass: the plate on a mat, the walls of a chamber.
+    has_plate: bool,
     power: Power,
+    /// The growth of its resistance, if it is not to be found, in bits of a [`Ratio`].
+    ptc: Option<u32>,
     bounds: &'static Bounds,
     phase: Phase,
     /// The reading without its noise.
@@ -102,6 +117,10 @@ pub struct Tune {
     cut_at: Celsius,
     /// Sum of the temperature above the room from half-way up on, in K periods with 8 fractional bits.
     warmth: i64,
+    way_up: WayUp,
+    /// Everything since the first power.
+    all: Whole,
+    rest: Rest,
     /// The current swing, and the swings that count without and with the fan.
     swing: Swing,
     still: Swings,
@@ -110,6 +129,16 @@ pub struct Tune {
     /// Rise of the sensor after the cut, in bits.
     after_cut: i64,
     result: Option<Tuning>,
+}
+
+/// Everything since the first power.
+#[derive(Clone, Copy, Debug, Default)]
+struct Whole {
+    periods: u32,
+    /// Periods with power.
+    on: u32,
+    /// Sum of the temperature above the room, in K periods with 8 fractional bits.
+    warmth: i64,
 }
 
 /// A swing: from one return of the power to the next.
@@ -131,20 +160,23 @@ impl Tune {
     /// A tuning around `target` with so many swings that count, for a heater at `measured`.
     #[must_use]
     pub fn new(
-        settings: &HeaterSettings,
+        (heater, settings): (Heater, &HeaterSettings),
         target: Celsius,
         cycles: u8,
         has_fan: bool,
-        bounds: &'static Bounds,
         measured: Celsius,
     ) -> Self {
+        let bounds = Bounds::of(heater);
         let power = settings.power.part(settings.max_duty.min(Ratio::ONE));
         let phase = if measured > cold_enough(target) { Phase::Cool } else { Phase::Rise };
         Self {
             target,
             cycles: cycles.clamp(3, 20),
             has_fan,
+            has_plate: heater != Heater::Hotend,
             power,
+            // Beds rise by too little, and their plates follow too late, to show it.
+            ptc: (heater != Heater::Hotend).then_some(settings.model.ptc.to_bits()),
             bounds,
             phase,
             smooth: measured,
@@ -156,6 +188,9 @@ impl Tune {
             begun_at: measured,
             cut_at: Celsius::ZERO,
             warmth: 0,
+            way_up: WayUp::default(),
+            all: Whole::default(),
+            rest: Rest::default(),
             swing: Swing::NEW,
             still: Swings::default(),
             blown: Swings::default(),
@@ -170,7 +205,10 @@ impl Tune {
     pub fn state(&self) -> Tuning {
         let going_on = match self.phase {
             Phase::Cool => Tuning::Cooling,
-            Phase::Rise | Phase::Peak | Phase::Swing | Phase::Blown => Tuning::Cycle(self.still.done + self.blown.done),
+            Phase::Rise | Phase::Peak | Phase::Swing | Phase::Blown => {
+                // A bed may need more of them than were asked for.
+                Tuning::Cycle(self.still.done.min(FIRST + self.cycles) + self.blown.done)
+            }
         };
         self.result.unwrap_or(going_on)
     }
@@ -188,6 +226,11 @@ impl Tune {
         }
         self.periods += 1;
         self.smooth = self.smooth.saturating_add(measured.saturating_sub(self.smooth) >> SMOOTHING);
+        if self.phase != Phase::Cool {
+            self.all.periods += 1;
+            self.all.on += u32::from(self.is_on);
+            self.all.warmth += above_room(measured);
+        }
         match self.phase {
             Phase::Cool => self.cool(measured),
             Phase::Rise => self.rise(measured),
@@ -223,6 +266,7 @@ impl Tune {
         self.go_on(self.smooth.saturating_sub(self.farthest), TuningFailure::OutOfReach);
         let way = i64::from(self.target.saturating_sub(self.begun_at).to_bits());
         let gone = i64::from(measured.saturating_sub(self.begun_at).to_bits());
+        self.way_up.follow(measured, gone, way);
         if self.half_way.is_none() && gone * 256 >= way * HALF_WAY {
             self.half_way = Some((measured, self.periods));
         }
@@ -284,12 +328,15 @@ impl Tune {
         let is_blown = self.phase == Phase::Blown;
         let (swings, first, wanted) =
             if is_blown { (&mut self.blown, FIRST_BLOWN, BLOWN) } else { (&mut self.still, FIRST, self.cycles) };
-        swings.done += 1;
+        swings.done = swings.done.saturating_add(1);
         if swings.done > first {
             swings.add(&self.swing, self.periods);
         }
+        let is_done = swings.done >= first + wanted;
+        self.rest.add(&self.swing, self.periods);
         (self.periods, self.swing) = (0, Swing::NEW);
-        if swings.done < first + wanted {
+        let follows = self.has_plate && !self.rest.is_reached() && self.all.periods < LONGEST_REST;
+        if !is_done || follows {
             return;
         }
         if self.has_fan && !is_blown {

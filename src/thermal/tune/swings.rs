@@ -31,6 +31,11 @@ impl Swings {
         Some(power.checked_mul(self.on)?.checked_div(self.periods)?.checked_mul(1 << 12)? / warmth)
     }
 
+    /// The mean temperature above the room, in K with 8 fractional bits.
+    pub fn above_room(&self) -> i64 {
+        self.warmth / self.periods.max(1)
+    }
+
     /// The mean amplitude, in bits of a [`crate::units::Celsius`].
     pub fn amplitude(&self) -> i64 {
         (self.amplitude / self.count.max(1)).max(1)

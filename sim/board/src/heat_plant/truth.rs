@@ -33,6 +33,8 @@ struct HeaterToml {
     fan_loss: Option<f64>,
     heater_lag: Option<f64>,
     sensor_lag: Option<f64>,
+    ptc: Option<f64>,
+    sensor_in_mat: Option<bool>,
 }
 
 /// Heat between two of them.
@@ -71,6 +73,7 @@ const CAPACITY: Legal = legal(1.0, 100_000.0, "J/K");
 const LOSS: Legal = legal(0.001, 100.0, "W/K");
 const FAN_LOSS: Legal = legal(0.0, 100.0, "W/K");
 const LAG: Legal = legal(0.05, 600.0, "s");
+const PTC: Legal = legal(0.0, 0.01, "1/K");
 const COUPLING: Legal = legal(0.0, 20.0, "W/K");
 
 impl Number {
@@ -125,6 +128,7 @@ pub fn read(text: &str, plant: PlantConstants) -> Result<PlantConstants> {
     put(&of("hotend", "heater_lag"), t.heater_lag, LAG, &mut |lag| {
         h.cartridge_to_block_watt_per_kelvin = h.cartridge_joule_per_kelvin / lag;
     })?;
+    put(&of("hotend", "ptc"), t.ptc, PTC, &mut |growth| h.heater.ptc_per_kelvin = growth)?;
     put(&of("hotend", "sensor_lag"), t.sensor_lag, LAG, &mut |lag| h.sensor.lag_seconds = lag)?;
 
     let (b, t) = (&mut plant.bed, &file.bed);
@@ -139,7 +143,16 @@ pub fn read(text: &str, plant: PlantConstants) -> Result<PlantConstants> {
     put(&of("bed", "heater_lag"), t.heater_lag, LAG, &mut |lag| {
         b.mat_to_plate_watt_per_kelvin = b.mat_joule_per_kelvin / lag;
     })?;
+    put(&of("bed", "ptc"), t.ptc, PTC, &mut |growth| b.heater.ptc_per_kelvin = growth)?;
     put(&of("bed", "sensor_lag"), t.sensor_lag, LAG, &mut |lag| b.sensor.lag_seconds = lag)?;
+    b.is_sensor_in_mat = t.sensor_in_mat.unwrap_or(b.is_sensor_in_mat);
+    for (heater, t) in [("hotend", &file.hotend), ("chamber", &file.chamber)] {
+        if t.sensor_in_mat.is_some() {
+            let key = of(heater, "sensor_in_mat");
+            let place = Place::of_key(text, &key).map_or_else(String::new, |place| format!("{place}: "));
+            return Err(anyhow!("{place}{key}: only a bed has a mat"));
+        }
+    }
     chamber(text, &file.chamber, &mut plant.chamber)?;
 
     for (heater, t) in [("bed", &file.bed), ("chamber", &file.chamber)] {
@@ -164,6 +177,7 @@ fn chamber(text: &str, t: &HeaterToml, chamber: &mut Option<ChamberConstants>) -
         ("loss", t.loss, LOSS),
         ("heater_lag", t.heater_lag, LAG),
         ("sensor_lag", t.sensor_lag, LAG),
+        ("ptc", t.ptc, PTC),
     ];
     if numbers.iter().all(|(_, value, _)| value.is_none()) {
         return Ok(());
@@ -179,6 +193,7 @@ fn chamber(text: &str, t: &HeaterToml, chamber: &mut Option<ChamberConstants>) -
                 c.element_to_air_watt_per_kelvin *= share;
             }
             "loss" => c.air_to_room_watt_per_kelvin = number,
+            "ptc" => c.heater.ptc_per_kelvin = number,
             "heater_lag" => c.element_to_air_watt_per_kelvin = c.element_joule_per_kelvin / number,
             _ => c.sensor.lag_seconds = number,
         })?;

@@ -68,6 +68,8 @@ pub struct BedConstants {
     pub heater: HeaterConstants,
     /// The sensor at the plate.
     pub sensor: SensorConstants,
+    /// It sits in the mat instead.
+    pub is_sensor_in_mat: bool,
 }
 
 /// A heater that blows into a chamber. Heat goes element -> air -> room.
@@ -98,13 +100,15 @@ pub struct Couplings {
     pub bed_chamber: f64,
 }
 
-/// A resistor: its power goes with the square of the voltage.
+/// A resistor: its power goes with the square of the voltage, and over the growth of its resistance.
 #[derive(Clone, Debug)]
 pub struct HeaterConstants {
     /// Its power at `nominal_volts`, W.
     pub nominal_watt: f64,
     /// V.
     pub nominal_volts: f64,
+    /// Growth of its resistance for each K above 25 C: its power falls by as much. 0 without PTC.
+    pub ptc_per_kelvin: f64,
 }
 
 /// A thermistor that follows the part it sits in, and takes no heat from it.

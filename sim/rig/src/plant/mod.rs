@@ -137,7 +137,8 @@ impl Plant {
             self.hotend.step(&c.hotend, &load, part);
             self.bed.step(&c.bed, bed_watt, ambient_celsius, part);
             self.hotend_sensor.step(&c.hotend.sensor, f.hotend_sensor, self.hotend.block, ambient_celsius, part);
-            self.bed_sensor.step(&c.bed.sensor, f.bed_sensor, self.bed.plate, ambient_celsius, part);
+            let at_sensor = if c.bed.is_sensor_in_mat { self.bed.mat } else { self.bed.plate };
+            self.bed_sensor.step(&c.bed.sensor, f.bed_sensor, at_sensor, ambient_celsius, part);
             if let Some(chamber) = &c.chamber {
                 self.chamber.step(chamber, chamber_watt, ambient_celsius, part);
                 let (air, fault) = (self.chamber.air, f.chamber_sensor);

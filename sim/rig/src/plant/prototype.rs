@@ -37,7 +37,7 @@ impl PlantConstants {
                 // PLA: 1.24 g/cm^3 times 1.8 J/gK = 2.2e-3. Marlin's default: 5.6e-3 J/K a mm of 1.75 mm filament
                 // (2.405 mm^2) = 2.3e-3.
                 filament_joule_per_mm3_kelvin: 0.0023,
-                heater: HeaterConstants { nominal_watt: 40.0, nominal_volts: 24.0 },
+                heater: HeaterConstants { nominal_watt: 40.0, nominal_volts: 24.0, ptc_per_kelvin: 0.0 },
                 // Marlin's default for MPC, 0.22 1/s, is 4.5 s; a sensor in a cartridge of its own is faster
                 // [estimate].
                 sensor: SensorConstants { thermistor: Thermistor::semitec_104gt2(), lag_seconds: 1.2 },
@@ -51,9 +51,10 @@ impl PlantConstants {
                 mat_to_plate_watt_per_kelvin: 40.0,
                 // 0.172 m^2, both sides, some 10 W/(m^2 K) [estimate].
                 plate_to_air_watt_per_kelvin: 3.5,
-                heater: HeaterConstants { nominal_watt: 500.0, nominal_volts: 24.0 },
+                heater: HeaterConstants { nominal_watt: 500.0, nominal_volts: 24.0, ptc_per_kelvin: 0.0 },
                 // [estimate]
                 sensor: SensorConstants { thermistor: Thermistor::NTC_100K_B3950, lag_seconds: 5.0 },
+                is_sensor_in_mat: false,
             },
             chamber: None,
             couplings: Couplings::default(),
@@ -84,7 +85,7 @@ impl ChamberConstants {
             element_to_air_watt_per_kelvin: 22.5,
             // Panels of 2 m^2, 2.5 W/(m^2 K) [estimate].
             air_to_room_watt_per_kelvin: 5.0,
-            heater: HeaterConstants { nominal_watt: 300.0, nominal_volts: 24.0 },
+            heater: HeaterConstants { nominal_watt: 300.0, nominal_volts: 24.0, ptc_per_kelvin: 0.0 },
             // A bead in moving air [estimate].
             sensor: SensorConstants { thermistor: Thermistor::NTC_100K_B3950, lag_seconds: 20.0 },
         }

@@ -8,6 +8,9 @@ use super::converter::Channel;
 use super::faults::HeaterFault;
 use super::{Drive, Plant, VREFINT_VOLTS};
 
+/// The temperature at which a heater has its nominal power, C.
+const NOMINAL_CELSIUS: f64 = 25.0;
+
 /// A place in the converter's sequence.
 #[derive(Clone, Copy)]
 pub(super) enum Place {
@@ -29,19 +32,23 @@ impl Plant {
         if f.swapped_heaters {
             duties.reverse();
         }
-        let watt = |duty: f64, heater: &HeaterConstants, fault: HeaterFault| {
+        let watt = |duty: f64, heater: &HeaterConstants, celsius: f64, fault: HeaterFault| {
             let volts = f.supply_volts / heater.nominal_volts;
-            duty * heater.nominal_watt * volts * volts * fault.power
+            let resistance = 1.0 + heater.ptc_per_kelvin * (celsius - NOMINAL_CELSIUS);
+            duty * heater.nominal_watt * volts * volts * fault.power / resistance.max(0.1)
         };
         let [hotend, bed] = duties;
         let chamber = self
             .constants
             .chamber
             .as_ref()
-            .map(|chamber| watt(conducts(drive.chamber, f.chamber_heater), &chamber.heater, f.chamber_heater));
+            .map(|chamber| {
+                let duty = conducts(drive.chamber, f.chamber_heater);
+                watt(duty, &chamber.heater, self.chamber.element, f.chamber_heater)
+            });
         [
-            watt(hotend, &self.constants.hotend.heater, f.hotend_heater),
-            watt(bed, &self.constants.bed.heater, f.bed_heater),
+            watt(hotend, &self.constants.hotend.heater, self.hotend.cartridge, f.hotend_heater),
+            watt(bed, &self.constants.bed.heater, self.bed.mat, f.bed_heater),
             chamber.unwrap_or_default(),
         ]
     }

@@ -198,6 +198,7 @@ fn hottest() -> ThermalSettings {
             fan_loss: WattsPerKelvin::MAX,
             heater_lag: Seconds::MAX,
             sensor_lag: Seconds::MAX,
+            ptc: Ratio::MAX,
         },
         pid: Pid { p: Ratio::MAX, i: Ratio::MAX, d: Ratio::MAX },
         guards: Guards {

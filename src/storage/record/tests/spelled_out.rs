@@ -141,6 +141,7 @@ pub fn heat() -> ThermalSettings {
             fan_loss: WattsPerKelvin::lit("0.125"),
             heater_lag: Seconds::from_num(n),
             sensor_lag: Seconds::from_num(2 * n),
+            ptc: Ratio::ZERO,
         },
         pid: Pid { p: Ratio::from_num(20 + n), i: Ratio::lit("1.5"), d: Ratio::from_num(100) },
         guards: Guards {
