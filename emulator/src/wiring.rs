@@ -280,9 +280,11 @@ impl Wiring {
             "none" | "" => None,
             "auto" | "PS-ON" => self.supply_switch,
             // P, the letter of the port, and a number.
-            name => name.get(1..2).and_then(|port| port.chars().next()).zip(name.get(2..)?.parse().ok()).map(
-                |(port, number)| Pin::new(port, number),
-            ),
+            name => name
+                .get(1..2)
+                .and_then(|port| port.chars().next())
+                .zip(name.get(2..)?.parse().ok())
+                .map(|(port, number)| Pin::new(port, number)),
         };
         pin.map(|pin| SupplyLine { pin, is_on_high: settings.supply.is_on_high })
     }

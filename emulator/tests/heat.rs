@@ -265,3 +265,13 @@ fn f15_a_bad_reference_is_off() {
     println!("off after {} ms", off / MS);
     assert!(off < 500 * MS && has_said(&seen, "reference voltage"), "{:?}", seen.line.said);
 }
+
+/// F17: the chip reads each thermistor by a sequence of its own, and the reference by another converter. So the
+/// thermistors alone are off by one place, and their readings jump.
+#[test]
+fn f17_channels_that_slip_are_off() {
+    let (seen, at) = broken("M104 S100\nG4 S1\n", [60.0, 25.0], |faults| faults.channels_slipped = true);
+    let off = low_after(&seen, Output::He0, at);
+    println!("off after {} ms: {:?}", off / MS, seen.line.said.iter().find(|line| line.starts_with("Error:")));
+    assert!(off < 500 * MS, "{:?}", seen.line.said);
+}

@@ -232,6 +232,7 @@ impl MachineFileError {
                 let axes = axes.split(" and ").map(|axis| format!("axes.{axis}.steps_per_mm"));
                 return axes.filter_map(|key| Place::of_key(text, &key)).last();
             }
+            Self::Settings(SettingsError::GuardsNothing(place)) => format!("sensors.{place}.guards"),
             Self::Settings(SettingsError::SharedHeater(what)) => format!("heaters.bed.{what}"),
             Self::Settings(SettingsError::Mechanism { .. } | SettingsError::Nameless(_)) => "mechanism".to_owned(),
             Self::Settings(SettingsError::Circulation) => "belt.closed".to_owned(),

@@ -87,7 +87,7 @@ const OTHERS: [Other; 3] = [
 ];
 
 /// The subject of each table.
-pub(crate) const TABLES: [(&str, &str); 44] = [
+pub(crate) const TABLES: [(&str, &str); 45] = [
     ("", "A machine of CoreH-bot firmware. What is left out is as in the prototype."),
     (
         "mechanism",
@@ -130,10 +130,15 @@ pub(crate) const TABLES: [(&str, &str); 44] = [
     ("heaters.hotend", "The hotend (T)."),
     ("heaters.bed", "The bed (B)."),
     ("heaters.chamber", "The chamber (C)."),
-    ("sensors", "Temperature sensors without a heater. M105 reports them; a broken one stops nothing."),
+    (
+        "sensors",
+        "More temperature sensors, which M105 reports. One that guards a heater takes its power at a limit; another that \
+         is broken stops nothing.",
+    ),
     ("sensors.chamber", "The chamber's air (C), if the chamber has no heater."),
     ("sensors.board", "The board or its case (M)."),
     ("sensors.probe", "The probe (P)."),
+    ("sensors.second", "A second sensor on a heater (R)."),
     ("fans", "Fan outputs."),
     ("guards", "Guards, which cannot be switched off."),
     (

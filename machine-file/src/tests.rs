@@ -15,7 +15,7 @@ fn an_empty_file_is_the_prototype() {
 fn the_example_is_the_prototype_with_every_key() {
     let text = include_str!("../../examples/machines/prototype.toml");
     assert_eq!(load(text).unwrap(), Settings::prototype());
-    assert_eq!(text.lines().filter(|l| l.contains(" = ") && !l.starts_with('#')).count(), 345);
+    assert_eq!(text.lines().filter(|l| l.contains(" = ") && !l.starts_with('#')).count(), 361);
 }
 
 #[test]
@@ -189,6 +189,8 @@ fn errors_have_a_place() {
         ("[drivers.belt]\nmicrosteps = 24", "2:14"),
         ("[shaper.x]\nspan = 99", "2:8"),
         ("[corner]\njunction_deviation = 0.1\nsquare_corner = 1", "3:17"),
+        ("[sensors.second]\nis_fitted = true\nguards = \"bed\"", "3:10"),
+        ("board = \"octopus\"\n[supply]\nswitch = \"PE3\"", "3:10"),
         ("motor_max_speed = 3000\n[axes.x]\nsteps_per_mm = 20000\n[axes.y]\nsteps_per_mm = 20000", "2:7"),
     ] {
         assert_eq!(place(text).as_deref(), Some(expected), "{text}");
@@ -228,6 +230,8 @@ fn errors_name_the_key_and_what_is_legal() {
     assert_eq!(error("[advance]\nwindow = 0"), "advance.window = 0 is outside 0.005 to 0.2");
     assert!(error("[advance]\nwindow = \"long\"").contains("expected \"auto\" or a number of seconds"));
     assert!(error("[axes.x]\nspeed = 1").contains("unknown field `speed`"));
+    assert!(error("[supply]\nswitch = \"!PE11\"").contains("without !"));
+    assert!(error("[sensors.second]\nis_fitted = true\nguards = \"chamber\"").contains("guards a fitted heater"));
     assert!(error("[axes.y]\nsteps_per_mm = 100").contains("x and y share motors"));
     assert!(error("[corner]\nsquare_corner = 1\njunction_deviation = 0.1").contains("exactly one"));
 }

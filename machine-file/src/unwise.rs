@@ -109,7 +109,7 @@ pub(super) fn warnings(machine: &Machine) -> Vec<(String, String)> {
             warn(&key, text);
         }
     }
-    let [chamber, ..] = s.sensors;
+    let [chamber, ..] = s.thermal.sensors;
     if chamber.is_fitted && s.thermal.heaters.chamber.is_fitted {
         let text = "the chamber's heater has a sensor of its own, which M105 reports; this one stays silent";
         warn("sensors.chamber.is_fitted", text.to_owned());

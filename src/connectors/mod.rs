@@ -14,7 +14,7 @@ pub use name::{ConnectorName, OfConnector};
 use serde::{Deserialize, Serialize};
 
 /// A heated part, with its letter in the host protocol.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
 pub enum Heater {

@@ -71,6 +71,12 @@ pub enum Cause {
     HeatMissing = 27,
     /// It is off and cools too slowly; the limit is where it would be without a leak.
     StaysWarm = 28,
+    /// The second sensor of a heater reads too hot.
+    SecondHot = 29,
+    /// The second sensor of a heater is broken.
+    SecondBroken = 30,
+    /// The target was reached and lost, at full power.
+    LostAtFull = 31,
 }
 
 impl Cause {
@@ -110,7 +116,10 @@ impl Cause {
             Self::InterruptStorm => Some(Self::SensorsDiffer),
             Self::SensorsDiffer => Some(Self::HeatMissing),
             Self::HeatMissing => Some(Self::StaysWarm),
-            Self::StaysWarm => None,
+            Self::StaysWarm => Some(Self::SecondHot),
+            Self::SecondHot => Some(Self::SecondBroken),
+            Self::SecondBroken => Some(Self::LostAtFull),
+            Self::LostAtFull => None,
         }
     }
 
@@ -139,7 +148,7 @@ impl Cause {
     /// What it tells of a heater's switch.
     const fn heat(self) -> Heat {
         match self {
-            Self::TooHot | Self::HeatsWhileOff | Self::Overshoot | Self::StaysWarm => Heat::On,
+            Self::TooHot | Self::HeatsWhileOff | Self::Overshoot | Self::StaysWarm | Self::SecondHot => Heat::On,
             Self::SensorOpen
             | Self::SensorShort
             | Self::TooCold
@@ -148,6 +157,7 @@ impl Cause {
             | Self::SensorsSwapped
             | Self::HeatsTooSlowly
             | Self::TemperatureLost
+            | Self::LostAtFull
             | Self::HeatMissing
             | Self::Reference
             | Self::ConverterStopped => Heat::Hidden,
@@ -163,7 +173,8 @@ impl Cause {
             | Self::Supply
             | Self::Driver
             | Self::InterruptStorm
-            | Self::SensorsDiffer => Heat::Other,
+            | Self::SensorsDiffer
+            | Self::SecondBroken => Heat::Other,
         }
     }
 
@@ -179,6 +190,7 @@ impl Cause {
             Self::SensorsSwapped => packed!("another sensor follows this heater: swapped?"),
             Self::HeatsTooSlowly => packed!("heating failed, warms too slowly"),
             Self::TemperatureLost => packed!("thermal runaway, temperature lost"),
+            Self::LostAtFull => packed!("thermal runaway, full power does not hold it"),
             Self::HeatsWhileOff => packed!("gets warmer while switched off"),
             Self::Overshoot => packed!("far above its target without power"),
             Self::FanFailed => packed!("fan stands still"),
@@ -198,6 +210,8 @@ impl Cause {
             Self::SensorsDiffer => packed!("cold, and reads otherwise than the other cold heater"),
             Self::HeatMissing => packed!("its heat shows no longer, sensor or heater loose?"),
             Self::StaysWarm => packed!("stays warm while switched off"),
+            Self::SecondHot => packed!("second sensor hotter than it may get"),
+            Self::SecondBroken => packed!("second sensor has no valid reading"),
         }
     }
 
@@ -219,6 +233,9 @@ impl Cause {
             Self::TemperatureLost => {
                 packed!("check heater, sensor and draught; if all is well, M303 E# U1 finds its model")
             }
+            Self::LostAtFull => {
+                packed!("lower its target, fan or flow, keep draughts off; check sensor, heater and supply")
+            }
             Self::HeatsWhileOff => packed!("unplug the heater, its switch is stuck"),
             Self::Overshoot => {
                 packed!("unplug the heater if it gets hotter, its switch is stuck; if not, M303 E# U1 finds its model")
@@ -233,6 +250,8 @@ impl Cause {
             Self::StaysWarm => {
                 packed!("unplug the heater, its switch leaks; if it is cold then, replace the board's output")
             }
+            Self::SecondHot => packed!("see that either sensor sits firmly, and set its limit (most)"),
+            Self::SecondBroken => packed!("plug the second sensor in, mend its wire, or set its kind (thermistor)"),
             Self::Supply => packed!("check the power supply and its wires"),
             Self::Driver => packed!("M122 tells which"),
             Self::ConverterStopped | Self::SettingsDamaged | Self::ClockFailed => {
@@ -259,12 +278,15 @@ impl Cause {
             | Self::SensorsSwapped
             | Self::HeatsTooSlowly
             | Self::TemperatureLost
+            | Self::LostAtFull
             | Self::HeatsWhileOff
             | Self::Overshoot
             | Self::SelfTest
             | Self::SensorsDiffer
             | Self::HeatMissing
-            | Self::StaysWarm => Subject::Heater,
+            | Self::StaysWarm
+            | Self::SecondHot
+            | Self::SecondBroken => Subject::Heater,
             Self::FanFailed => Subject::Fan,
             Self::Reference
             | Self::ConverterStopped
@@ -284,10 +306,15 @@ impl Cause {
     /// The side of its limit that was left, if its value and limit are degrees.
     const fn limit(self) -> Option<Limit> {
         match self {
-            Self::TooHot | Self::HeatsWhileOff | Self::Overshoot | Self::StaysWarm => Some(Limit::AtMost),
-            Self::TooCold | Self::HeatsTooSlowly | Self::TemperatureLost | Self::SelfTest | Self::HeatMissing => {
-                Some(Limit::AtLeast)
+            Self::TooHot | Self::HeatsWhileOff | Self::Overshoot | Self::StaysWarm | Self::SecondHot => {
+                Some(Limit::AtMost)
             }
+            Self::TooCold
+            | Self::HeatsTooSlowly
+            | Self::TemperatureLost
+            | Self::LostAtFull
+            | Self::SelfTest
+            | Self::HeatMissing => Some(Limit::AtLeast),
             Self::SensorOpen
             | Self::SensorShort
             | Self::SensorFlickers
@@ -305,7 +332,8 @@ impl Cause {
             | Self::Watchdog
             | Self::Supply
             | Self::Driver
-            | Self::InterruptStorm => None,
+            | Self::InterruptStorm
+            | Self::SecondBroken => None,
             Self::SensorsDiffer => Some(Limit::Other),
         }
     }
@@ -446,7 +474,7 @@ mod tests {
         let count = Cause::all().count() as u8;
         assert_eq!([Cause::of(0), Cause::of(count + 1)], [None; 2]);
         // Decoders know every variant, so `next` lacks no cause.
-        assert_eq!(postcard::from_bytes(&[count - 1]), Ok(Cause::StaysWarm));
+        assert_eq!(postcard::from_bytes(&[count - 1]), Ok(Cause::LostAtFull));
         assert!(postcard::from_bytes::<Cause>(&[count]).is_err());
     }
 }

@@ -3,7 +3,7 @@
 use super::ranges;
 use super::rows::{Field, Key, Value, Visitor};
 use super::thermal::{ThermalSettings, Thermistor};
-use super::{DriverGroups, EXTRA_SENSORS, Endstop, HomedAxis, OwnDriver, Range, Settings};
+use super::{DriverGroups, EXTRA_SENSORS, Endstop, HomedAxis, OwnDriver, PLACES, Range, Settings};
 use crate::connectors::{FANS, HEATERS, Heater};
 use crate::kinematics::{MechanismError, Row, multiple};
 use crate::motors::{Motor, MotorName, MotorSet};
@@ -54,6 +54,8 @@ pub enum SettingsError {
     NoSuchMicrosteps(&'static str),
     /// Two heaters that are fitted share an output or a sensor.
     SharedHeater(&'static str),
+    /// The sensor at this place is to guard a heater that is not fitted, or has no input of its own for that.
+    GuardsNothing(&'static str),
     /// G28 would leave out an axis.
     HomingOrder,
     /// Z is to be homed by a probe, and there is none.
@@ -99,6 +101,9 @@ impl core::fmt::Display for SettingsError {
                 put!(f, "belt.closed: turning all motors of x and y alike moves the tool, so no belt runs round")
             }
             Self::NoProbe => put!(f, "probe.z_home needs a probe: set probe.kind"),
+            Self::GuardsNothing(place) => {
+                put!(f, "sensors.{place}.guards: it guards a fitted heater, by an input that is not the heater's own")
+            }
             Self::SharedHeater(what) => put!(f, "two heaters have the same {what}"),
             Self::NoSuchMicrosteps(group) => put!(f, "{group}: microsteps are 1, 2, 4 and so on up to 256"),
         }
@@ -151,6 +156,15 @@ fn thermal(t: &ThermalSettings) -> Result<(), SettingsError> {
             return Err(SettingsError::SharedHeater("sensor"));
         }
     }
+    for (extra, (place, _)) in t.sensors.iter().zip(&PLACES) {
+        let is_second = |(heater, sensor)| {
+            let heater = t.heater(heater);
+            heater.is_fitted && heater.sensor != sensor
+        };
+        if extra.is_fitted && extra.guards.is_some() && !extra.guarded().is_some_and(is_second) {
+            return Err(SettingsError::GuardsNothing(place));
+        }
+    }
     for (fan, key) in t.fans.iter().zip(&FAN_DUTIES) {
         legal_beside(fan.least <= fan.most, key)?;
     }
@@ -180,7 +194,7 @@ const GROUPS: [&str; 3] = ["drivers.belt", "drivers.z", "drivers.e"];
 
 /// Keys of thermistors without a heater.
 const EXTRA_THERMISTORS: [&str; EXTRA_SENSORS] =
-    ["sensors.chamber.thermistor", "sensors.board.thermistor", "sensors.probe.thermistor"];
+    ["sensors.chamber.thermistor", "sensors.board.thermistor", "sensors.probe.thermistor", "sensors.second.thermistor"];
 
 /// Keys of thermistors.
 const THERMISTORS: [&str; HEATERS] =
@@ -257,7 +271,7 @@ impl Settings {
         self.check_motor_names()?;
         self.check_own_drivers()?;
         self.check_microsteps()?;
-        for (sensor, key) in self.sensors.iter().zip(&EXTRA_THERMISTORS) {
+        for (sensor, key) in self.thermal.sensors.iter().zip(&EXTRA_THERMISTORS) {
             thermistor(sensor.thermistor, key)?;
         }
         thermal(&self.thermal)

@@ -6,7 +6,7 @@
 //! rows. Other places that depend on a setting:
 //!
 //! - Field, default and row: here, or `accelerometer`, `axis`, `bed`, `belt`, `endstops`, `fan_plugs`, `job`, `pause`,
-//!   `probe`, `safe_z_home`, `sensors`, `shaping`, `supply`, `drivers`, `thermal`, `wiring`. Checked by the compiler
+//!   `probe`, `safe_z_home`, `shaping`, `supply`, `drivers`, `thermal`, `wiring`. Checked by the compiler
 //!   (`prototype`) and `tests/setting_rows.rs`.
 //! - Range of a new kind of quantity: `ranges`. A limit that depends on other settings: `check`; on the board:
 //!   `plugged`. Checked by `tests/setting_ranges.rs`.
@@ -47,7 +47,6 @@ mod reach;
 pub mod rows;
 mod safe_z_home;
 mod screws;
-mod sensors;
 mod shaping;
 mod spec;
 mod supply;
@@ -74,17 +73,16 @@ pub use probe::{Probe, ProbeKind};
 pub use range::Range;
 pub use safe_z_home::SafeZHome;
 pub use screws::{Screw, WholePlace};
-pub use sensors::{EXTRA_SENSORS, ExtraSensor, PLACES, SensorSource};
 pub use shaping::{Advance, Shaper, ShaperKind, Shapers};
 pub use supply::Supply;
 pub use thermal::{
-    Bounds, Control, FanRole, FanSettings, Guards, HeaterModel, HeaterSettings, Heaters, Law, Pid, Plausible, SHEETS,
-    Sheet, ThermalSettings, Thermistor, part_fans,
+    Bounds, Control, EXTRA_SENSORS, ExtraSensor, FanRole, FanSettings, Guards, HeaterModel, HeaterSettings, Heaters,
+    Law, PLACES, Pid, Plausible, SHEETS, SensorSource, Sheet, ThermalSettings, Thermistor, part_fans,
 };
 pub use wiring::{EndstopPlug, MotorPlug, Wiring};
 
 use crate::accelerometer::SensorAxis;
-use crate::connectors::{ConnectorName, FANS, Output, Sensor};
+use crate::connectors::{ConnectorName, FANS, Heater, Output, Sensor};
 use crate::kinematics::{Mechanism, Row, SCREWS, multiple};
 use crate::motors::{MOTORS, Motor, MotorName, prototype};
 use crate::units::{
@@ -179,8 +177,6 @@ pub struct Settings {
     pub name: MachineName,
     /// The tool's and the heaters' part in a pause.
     pub pause: Pause,
-    /// Sensors without a heater, in the order of [`PLACES`].
-    pub sensors: [ExtraSensor; EXTRA_SENSORS],
     /// How the mesh of the bed is measured and used.
     pub mesh: MeshSettings,
     /// Screws of z, in the order of the motors that turn them.
@@ -256,7 +252,6 @@ impl Settings {
             belt: Belt::prototype(),
             name: MachineName::lit("CoreH-bot prototype"),
             pause: Pause::prototype(),
-            sensors: ExtraSensor::prototype(),
             mesh: MeshSettings::prototype(),
             screws: Screw::prototype(),
             fans: [FanPlug::PLAIN; FANS],
@@ -348,7 +343,6 @@ impl Settings {
             name: _,
             pause: _,
             job: _,
-            sensors: _,
             mesh: _,
             screws: _,
             fans,
@@ -423,7 +417,7 @@ places! {
         HomedAxis(HomedAxis), AxisEnd(AxisEnd), OnFailure(OnFailure), Tachometer(Tachometer), ShaperKind(ShaperKind),
         ProbeKind(ProbeKind), Alignment(Alignment), Control(Control), FanRole(FanRole), SensorAxis(SensorAxis),
         Accelerometer(Option<crate::accelerometer::SensorKind>), Output(Output), Sensor(Sensor),
-        SensorSource(SensorSource);
+        SensorSource(SensorSource), Guarded(Option<Heater>);
     numbers:
         U8(u8), U16(u16), U32(u32), I16(i16), Switch(bool), Mm(Mm), MmPerSec(MmPerSec), MmPerSec2(MmPerSec2),
         StepsPerMm(StepsPerMm), Hertz(Hertz), Seconds(Seconds), Ratio(Ratio), Celsius(Celsius), Watts(Watts),

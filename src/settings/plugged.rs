@@ -107,7 +107,7 @@ impl Settings {
             self.check_heater(heater, board)?;
         }
         self.check_fans(board)?;
-        for ((place, _), extra) in PLACES.iter().zip(&self.sensors) {
+        for ((place, _), extra) in PLACES.iter().zip(&self.thermal.sensors) {
             let is_there = match extra.sensor {
                 SensorSource::At(sensor) => board.sensors.contains(&sensor),
                 SensorSource::Mcu => board.has_mcu_sensor(),

@@ -110,6 +110,8 @@ pub const LOOKAHEAD_TIME: Range<Seconds> = Range { least: Seconds::lit("0.5"), m
 pub const HOTEND: Range<Celsius> = Range { least: Celsius::const_from_int(30), most: Celsius::const_from_int(500) };
 /// Highest target of a bed or a chamber: adhesives of mats and magnets end at 150 C.
 pub const BED: Range<Celsius> = Range { least: Celsius::const_from_int(30), most: Celsius::const_from_int(150) };
+/// Highest temperature at a second sensor of a heater: from a bed's plate to a hotend's cartridge.
+pub const SECOND: Range<Celsius> = Range { least: Celsius::const_from_int(40), most: Celsius::const_from_int(500) };
 /// Power of a heater; a household's socket has 2 kW at least.
 pub const POWER: Range<Watts> = Range { least: Watts::const_from_int(1), most: Watts::const_from_int(2000) };
 /// Highest duty, of 1.

@@ -61,7 +61,7 @@ files! {
     safe_z_home::place,
     safe_z_home,
     supply,
-    sensors,
+    thermal::sensors,
     shaping,
     shaping::advance,
     thermal,

@@ -1,5 +1,7 @@
-//! ThermalControl: the handle of the thermal context. `self_testing` and `tuning` have its part of these trials.
+//! ThermalControl: the handle of the thermal context. `self_testing` and `tuning` have its part of these trials,
+//! `second_sensors` that of more sensors on a heater.
 
+mod second_sensors;
 mod self_testing;
 mod tuning;
 
@@ -10,12 +12,13 @@ use super::heartbeats::{Context, Heartbeats};
 use super::heater::{Circumstances, HeaterLoop};
 use super::order::{Common, Order, OrdersIn};
 use super::predictive::Ahead;
+use super::second_sensor::SecondSensor;
 use super::self_test::{End, SelfTest};
 use super::tune::Tune;
 use crate::connectors::{FANS, HEATERS, Heater, OUTPUTS, Sensor};
 use crate::fault::{Cause, Fault};
 use crate::port::{ThermalPort, Wake};
-use crate::settings::{FanRole, ThermalSettings, part_fans, sum};
+use crate::settings::{EXTRA_SENSORS, FanRole, ThermalSettings, part_fans, sum};
 use crate::status::Status;
 use crate::units::Celsius;
 use fixed::types::I8F24;
@@ -57,6 +60,7 @@ pub struct ThermalControl<'m, H: ThermalPort, W: Wake> {
     reference: Reference,
     swapped: [[Swapped; HEATERS]; HEATERS],
     cold: Cold,
+    seconds: [SecondSensor; EXTRA_SENSORS],
     self_test: Option<SelfTest>,
     /// The last tuning, and its heater. There is one for all heaters, for it takes 200 bytes.
     tune: Option<(Heater, Tune)>,
@@ -90,6 +94,7 @@ impl<'m, H: ThermalPort, W: Wake> ThermalControl<'m, H, W> {
             reference: Reference::new(),
             swapped: [[Swapped::new(); HEATERS]; HEATERS],
             cold: Cold::new(),
+            seconds: settings.sensors.map(|extra| SecondSensor::new(extra.thermistor)),
             self_test: None,
             tune: None,
             has_cut_supply: false,
@@ -164,6 +169,7 @@ impl<'m, H: ThermalPort, W: Wake> ThermalControl<'m, H, W> {
                     has_new_settings = true;
                 }
                 Order::Common(common) => {
+                    self.take_sensors(&common.sensors);
                     self.common = common;
                     has_new_settings = true;
                 }
@@ -204,6 +210,7 @@ impl<'m, H: ThermalPort, W: Wake> ThermalControl<'m, H, W> {
         sum(&(
             heaters.map(HeaterLoop::settings),
             heaters.map(HeaterLoop::derived),
+            self.seconds.each_ref().map(SecondSensor::curve),
             self.fans.each_ref().map(Fan::settings),
             self.parts,
             self.common,
@@ -223,6 +230,7 @@ impl<'m, H: ThermalPort, W: Wake> ThermalControl<'m, H, W> {
         let mut duties = [0; OUTPUTS];
         // First, because it says which heater has a pulse in this period.
         let mut found = Found(self.test().err());
+        let seconds = self.look_at_seconds(&mut found);
         for heater in Heater::ALL {
             let looped = &mut self.heaters[heater as usize];
             let settings = looped.settings();
@@ -231,9 +239,11 @@ impl<'m, H: ThermalPort, W: Wake> ThermalControl<'m, H, W> {
             }
             let (output, sensor) = (settings.output, settings.sensor);
             let now = if heater == Heater::Hotend { of_hotend } else { of_others };
-            let rests = heater == Heater::Bed && self.status.heat().bed_rests();
+            let second = seconds[heater as usize];
+            let rests = second.is_hot || heater == Heater::Bed && self.status.heat().bed_rests();
             let differs = differs && heater != Heater::Chamber;
-            let now = Circumstances { warmed_to: warmed_to[heater as usize], rests, differs, ..now };
+            let refused = second.refused;
+            let now = Circumstances { warmed_to: warmed_to[heater as usize], rests, differs, refused, ..now };
             let tune = self.tune.as_mut().filter(|(tuned, _)| *tuned == heater).map(|(_, tune)| tune);
             match looped.period(self.status.heat().sample(sensor), &now, tune) {
                 Ok(duty) if self.port.outputs().has(output) => duties[output as usize] = duty,
@@ -295,6 +305,7 @@ impl<'m, H: ThermalPort, W: Wake> ThermalControl<'m, H, W> {
             warmed_to: Celsius::MIN,
             rests: false,
             differs: false,
+            refused: None,
             fan,
             filament: I8F24::from_bits(saturated(filament.into())),
             ahead: Ahead { coming, then },

@@ -27,10 +27,12 @@ pub struct Circumstances {
     pub ahead: Ahead,
     /// Temperature up to which another heater may warm it: a bed warms its chamber, and a hotend that is off.
     pub warmed_to: Celsius,
-    /// It gets no power for now: a touch of the probe is awaited.
+    /// It gets no power for now: a touch of the probe is awaited, or its second sensor is at its limit.
     pub rests: bool,
     /// Cold, it reads otherwise than the other cold heater.
     pub differs: bool,
+    /// Why its second sensor refuses heat.
+    pub refused: Option<Cause>,
 }
 
 /// The ceiling: a heater gets no power this far above its target, whatever the model or the gains say.
@@ -247,7 +249,7 @@ impl HeaterLoop {
         };
         if let Some(measured) = good {
             let refused = self.window.look(self.settings.too_hot(), measured, self.is_off())?;
-            self.refuse(refused.or(now.differs.then_some(Cause::SensorsDiffer)));
+            self.refuse(refused.or(now.refused).or(now.differs.then_some(Cause::SensorsDiffer)));
         }
         // What was put out in the last period: a relay is on or off for whole periods, whatever duty was wanted.
         let power = self.power_at(self.given);
@@ -299,7 +301,11 @@ impl HeaterLoop {
         let is_too_hot = self.ailment == Some(Cause::TooHot);
         let (duty, most) = (self.wanted, self.most());
         let watched = Watched { aim, measured, duty, most, power, fan, filament, warmed_to, rests, is_too_hot };
-        self.guards.look(&self.settings, &watched).map_or(Ok(()), Err)
+        let Some(alarm) = self.guards.look(&self.settings, &watched) else { return Ok(()) };
+        // Another cure: a better model does not help a heater that gives all it has.
+        let cause =
+            if self.is_full() && alarm.cause == Cause::TemperatureLost { Cause::LostAtFull } else { alarm.cause };
+        Err(Alarm { cause, ..alarm })
     }
 
     /// Its greatest permitted duty, of 65,535.
@@ -319,14 +325,14 @@ impl HeaterLoop {
             self.is_free = true;
             return 0;
         }
+        if now.rests {
+            self.is_free = false;
+            return 0;
+        }
         if let Some(tune) = tune.filter(|_| self.is_tuned) {
             let wanted = tune.duty(measured, most);
             self.is_free = false;
             return wanted;
-        }
-        if now.rests {
-            self.is_free = false;
-            return 0;
         }
         if measured >= self.target.saturating_add(CEILING) {
             self.is_free = false;

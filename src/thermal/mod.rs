@@ -36,6 +36,7 @@ mod pid;
 mod predictive;
 mod refusal;
 mod room;
+mod second_sensor;
 mod self_test;
 pub mod sensor;
 mod switching;

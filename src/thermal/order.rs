@@ -2,7 +2,7 @@
 //! them whole.
 
 use crate::connectors::Heater;
-use crate::settings::{FanSettings, HeaterSettings, ThermalSettings};
+use crate::settings::{EXTRA_SENSORS, ExtraSensor, FanSettings, HeaterSettings, ThermalSettings};
 use crate::units::Celsius;
 use heapless::spsc::{Consumer, Producer, Queue};
 
@@ -51,13 +51,15 @@ pub struct Common {
     pub fan_run_on_s: u16,
     /// Heat that filament takes up, in J/(K mm).
     pub filament: crate::units::WattsPerKelvin,
+    /// Sensors that may guard a heater.
+    pub sensors: [ExtraSensor; EXTRA_SENSORS],
 }
 
 impl Common {
     /// These settings.
     #[must_use]
     pub const fn of(settings: &ThermalSettings) -> Self {
-        let ThermalSettings { hotend_fan_above, fan_run_on_s, filament, .. } = *settings;
-        Self { hotend_fan_above, fan_run_on_s, filament }
+        let ThermalSettings { hotend_fan_above, fan_run_on_s, filament, sensors, .. } = *settings;
+        Self { hotend_fan_above, fan_run_on_s, filament, sensors }
     }
 }

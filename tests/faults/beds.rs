@@ -99,7 +99,7 @@ fn an_open_heater_under_a_cold_plate_is_found() {
         let time = printer.seconds - begun - 10.0;
         println!("open under {plates} cold plates: {cause:?} after {time:.0} s");
         assert!(
-            matches!(cause, Cause::HeatsTooSlowly | Cause::TemperatureLost) && time < 240.0,
+            matches!(cause, Cause::HeatsTooSlowly | Cause::TemperatureLost | Cause::LostAtFull) && time < 240.0,
             "{cause:?} after {time}"
         );
     }

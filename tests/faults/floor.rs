@@ -212,5 +212,5 @@ fn an_open_heater_at_its_target_is_lost_whatever_the_model() {
     assert!(printer.run_until(300.0, |printer| printer.measured(Heater::Hotend) > 199.5).is_some());
     break_it(&printer, |faults| faults.hotend_heater = HeaterFault::OPEN);
     let (cause, time) = until_off(&mut printer, 60.0);
-    assert_eq!((cause, time < 20.0), (Cause::TemperatureLost, true), "{time}");
+    assert_eq!((cause, time < 20.0), (Cause::LostAtFull, true), "{time}");
 }

@@ -13,6 +13,7 @@ mod loose;
 mod quiet;
 mod refusals;
 mod rest;
+mod second;
 mod self_test;
 mod sensors;
 mod supply;

@@ -56,7 +56,7 @@ fn long(keepalive: u8) -> Settings {
         for heater in [&mut heaters.hotend, &mut heaters.bed, &mut heaters.chamber] {
             heater.thermistor = thermistor;
         }
-        settings.sensors.iter_mut().for_each(|sensor| sensor.thermistor = thermistor);
+        settings.thermal.sensors.iter_mut().for_each(|sensor| sensor.thermistor = thermistor);
         settings.check().unwrap();
         for (eighths, begin, count) in [8, 7, 5]
             .into_iter()

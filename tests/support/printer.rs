@@ -7,7 +7,7 @@ use corehbot::settings::{ThermalSettings, Thermistor, part_fans};
 use corehbot::status::Status;
 use corehbot::thermal::{Order, OrderQueue, Orders, PERIOD_MS, ThermalControl};
 use corehbot::units::Celsius;
-use corehbot_rig::plant::{Drive, Plant, PlantConstants};
+use corehbot_rig::plant::{self, Drive, Plant, PlantConstants};
 use std::cell::RefCell;
 use std::rc::Rc;
 
@@ -36,7 +36,12 @@ pub struct BenchPort(Rc<RefCell<Bench>>);
 
 impl ThermalPort for BenchPort {
     fn sample(&mut self, sensor: Sensor) -> Option<u16> {
-        self.0.borrow_mut().plant.sample(sensor)
+        let mut bench = self.0.borrow_mut();
+        match sensor {
+            // A second sensor in the bed's mat.
+            Sensor::Hotend2 => Some(bench.plant.second_sample(Heater::Bed, &plant::Thermistor::NTC_100K_B3950)),
+            _ => bench.plant.sample(sensor),
+        }
     }
 
     fn reference(&mut self) -> Option<u16> {

@@ -3,7 +3,7 @@
 use corehbot::connectors::{HEATERS, Heater, OUTPUTS, OutputSet, Sensor};
 use corehbot::fault::Cause;
 use corehbot::port::{ThermalPort, Wake};
-use corehbot::settings::{Control, FanRole, FanSettings, Guards, HeaterModel, HeaterSettings, Pid};
+use corehbot::settings::{Control, ExtraSensor, FanRole, FanSettings, Guards, HeaterModel, HeaterSettings, Pid};
 use corehbot::settings::{ThermalSettings, Thermistor};
 use corehbot::status::{SelfTest, Status};
 use corehbot::thermal::{Common, Order, OrderQueue, ThermalControl};
@@ -139,6 +139,12 @@ impl Bytes<'_> {
                 hotend_fan_above: self.celsius(),
                 fan_run_on_s: self.half(),
                 filament: WattsPerKelvin::from_bits(self.word()),
+                sensors: machine.sensors.map(|extra| ExtraSensor {
+                    is_fitted: self.byte().is_multiple_of(4),
+                    guards: Some(self.heater()),
+                    most: self.celsius(),
+                    ..extra
+                }),
             }),
             _ => {
                 let role = [FanRole::Commanded, FanRole::Hotend, FanRole::Controller, FanRole::Part]

@@ -52,6 +52,7 @@ mod retraction;
 mod retried;
 mod safe_z_home;
 mod screens;
+mod second_sensor;
 mod self_test;
 mod shaper_changes;
 mod shaping;

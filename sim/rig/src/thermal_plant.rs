@@ -2,7 +2,7 @@
 //!
 //! A machine without heaters has thermistors in a room of 25 C, and nothing is computed.
 
-use crate::plant::{ChamberConstants, Drive, Plant, PlantConstants, Thermistor};
+use crate::plant::{ChamberConstants, Drive, Plant, PlantConstants, Thermistor, share_at};
 use corehbot::connectors::{FANS, Heater, OUTPUTS, Output, OutputSet, Sensor};
 use corehbot::port::ThermalPort;
 use corehbot::settings::{
@@ -28,7 +28,7 @@ const FILAMENT: f64 = 2.405;
 pub struct Heat {
     plant: Option<Plant>,
     settings: ThermalSettings,
-    /// Sensors without a heater, which have the temperature of the room.
+    /// Sensors that control no heater: one that guards a heater sits in its element, the others are in the room.
     sensors: [ExtraSensor; EXTRA_SENSORS],
     /// There is a filament sensor, and filament in it.
     has_filament: bool,
@@ -59,7 +59,7 @@ impl Heat {
         Self {
             plant: thermal.has_heater().then(|| Plant::new(constants)),
             settings: thermal,
-            sensors: settings.sensors,
+            sensors: thermal.sensors,
             has_filament: !settings.filament.connector.is_none(),
             steps_per_mm: settings.axes.e.steps_per_mm.to_num(),
             duties: [0; OUTPUTS],
@@ -238,11 +238,14 @@ fn law(kind: Kind) -> Thermistor {
     }
 }
 
-/// The reading of a sensor without a heater, in the room's 25 C.
-fn share_at_room(extra: &ExtraSensor) -> u16 {
+/// The reading of a sensor that controls no heater: in the element of the heater that it guards, or in the room's 25 C.
+fn share_of(extra: &ExtraSensor, plant: Option<&Plant>) -> u16 {
+    let kind = law(extra.thermistor);
+    if let (Some((heater, _)), Some(plant)) = (extra.guarded(), plant) {
+        return plant.second_sample(heater, &kind);
+    }
     let PlantConstants { converter, ambient_celsius, .. } = PlantConstants::prototype();
-    let ohm = law(extra.thermistor).ohm(ambient_celsius);
-    (65_536.0 * ohm / (ohm + converter.pull_up_ohm)) as u16
+    share_at(&kind, ambient_celsius, converter.pull_up_ohm)
 }
 
 impl ThermalPort for Heat {
@@ -251,7 +254,7 @@ impl ThermalPort for Heat {
         let is_extra = |extra: &&ExtraSensor| extra.is_fitted && extra.sensor == SensorSource::At(sensor);
         let extra = self.sensors.iter().find(is_extra).filter(|_| place.is_none() || self.plant.is_none());
         if let Some(extra) = extra {
-            return Some(share_at_room(extra));
+            return Some(share_of(extra, self.plant.as_ref()));
         }
         let Some(plant) = &mut self.plant else {
             return matches!(sensor, Sensor::Bed | Sensor::Hotend0).then_some(ROOM);

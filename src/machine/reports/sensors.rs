@@ -1,7 +1,7 @@
-//! Temperature sensors: those without a heater in degrees, and raw readings of all.
+//! Temperature sensors: those that control no heater in degrees, and raw readings of all.
 //!
-//! A sensor without a heater is read here, from the last sample of its input or of the processor. No guard looks at it,
-//! so a broken one stops nothing.
+//! They are read here from the last sample of their input or of the processor. One that guards a heater is read by the
+//! thermal control too (`thermal::second_sensor`).
 
 use crate::machine::answers::reply_writer::ReplyWriter;
 use crate::machine::numbers::Hundredths;
@@ -16,7 +16,7 @@ pub(super) type ExtraReadings = [Option<Reading>; EXTRA_SENSORS];
 
 /// Their latest readings. The chamber has none here if its heater has a sensor.
 pub(super) fn extra_readings(settings: &Settings, heat: &Heat) -> ExtraReadings {
-    let mut readings = settings.sensors.map(|extra| {
+    let mut readings = settings.thermal.sensors.map(|extra| {
         let read = || match extra.sensor {
             SensorSource::At(sensor) => Curve::new(extra.thermistor).read(heat.sample(sensor)),
             SensorSource::Mcu => heat.mcu().map_or(Reading::Silent, Reading::Celsius),

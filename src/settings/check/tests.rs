@@ -5,7 +5,7 @@ extern crate std;
 use super::*;
 use crate::kinematics::Mechanism;
 use crate::motors::{MotorName, prototype};
-use crate::settings::{AxisEnd, Range};
+use crate::settings::{AxisEnd, Range, SensorSource};
 use crate::units::{Hertz, Ratio};
 use std::string::{String, ToString as _};
 
@@ -273,4 +273,28 @@ fn motors_of_a_closed_belt_have_one_current() {
     assert_eq!(s.check(), Ok(()));
     s.motor_names[prototype::Z1.index()] = MotorName::lit("e");
     assert_eq!(s.check(), Err(SettingsError::NamedAsGroup(MotorName::lit("e"))));
+}
+
+/// A second sensor guards a heater that is there, by an input that is not the heater's own.
+#[test]
+fn a_second_sensor_guards_a_heater_that_is_fitted() {
+    let mut s = Settings::prototype();
+    let [.., second] = &mut s.thermal.sensors;
+    (second.is_fitted, second.guards) = (true, Some(Heater::Bed));
+    assert_eq!(s.check(), Err(SettingsError::GuardsNothing("second")));
+    s.thermal.heaters.bed.is_fitted = true;
+    assert_eq!(s.check(), Ok(()));
+    for sensor in [SensorSource::Mcu, SensorSource::At(s.thermal.heaters.bed.sensor)] {
+        let mut nonsense = s;
+        let [.., second] = &mut nonsense.thermal.sensors;
+        second.sensor = sensor;
+        assert_eq!(nonsense.check(), Err(SettingsError::GuardsNothing("second")), "{sensor:?}");
+        second_is_off(&mut nonsense);
+        assert_eq!(nonsense.check(), Ok(()));
+    }
+}
+
+fn second_is_off(s: &mut Settings) {
+    let [.., second] = &mut s.thermal.sensors;
+    second.is_fitted = false;
 }

@@ -237,10 +237,7 @@ fn the_supply_is_switched_by_an_output_of_the_board_or_by_none() {
     for name in ["auto", "none", "", "PE7"] {
         assert_eq!(with(name).check_connectors(&PRINTER), Ok(()), "{name}");
     }
-    assert_eq!(
-        error(&with("PE3"), &PRINTER),
-        "power supply: the sample has no connector PE3; it has PE7, PS-ON"
-    );
+    assert_eq!(error(&with("PE3"), &PRINTER), "power supply: the sample has no connector PE3; it has PE7, PS-ON");
     let mut other = with("PS-ON");
     other.name_connectors(&OTHER);
     assert_eq!(error(&other, &OTHER), "power supply: the other has no connector PS-ON; it has PC9");

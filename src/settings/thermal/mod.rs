@@ -4,12 +4,14 @@ mod bounds;
 pub(super) mod fans;
 pub(super) mod heater;
 mod plausible;
+pub(super) mod sensors;
 mod thermistor;
 
 pub use bounds::Bounds;
 pub use fans::{FanRole, FanSettings, part_fans};
 pub use heater::{Control, Guards, HeaterModel, HeaterSettings, Pid};
 pub use plausible::Plausible;
+pub use sensors::{EXTRA_SENSORS, ExtraSensor, PLACES, SensorSource};
 pub use thermistor::{Law, SHEETS, Sheet, Thermistor};
 
 use super::ranges;
@@ -51,6 +53,8 @@ impl Heaters {
 pub struct ThermalSettings {
     /// Hotend, bed and chamber.
     pub heaters: Heaters,
+    /// Sensors besides those of the heaters, in the order of [`PLACES`](crate::settings::PLACES).
+    pub sensors: [ExtraSensor; EXTRA_SENSORS],
     /// FAN0 and so on.
     pub fans: [FanSettings; FANS],
     /// No filament moves while the hotend is colder (M302 S).
@@ -78,6 +82,7 @@ impl ThermalSettings {
                 bed: HeaterSettings::bed(Output::Bed, Sensor::Bed),
                 chamber: HeaterSettings::chamber(Output::He1, Sensor::Hotend1),
             },
+            sensors: ExtraSensor::prototype(),
             fans: [fan, FanSettings::new(FanRole::Hotend), FanSettings::new(FanRole::Controller), fan, fan, fan],
             min_extrude: Celsius::const_from_int(170),
             hotend_fan_above: Celsius::const_from_int(50),

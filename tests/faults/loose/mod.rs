@@ -85,7 +85,7 @@ fn all_found(what: &str, ends: &[End], causes: &[Cause]) -> [f64; 3] {
     [most(|end| end.seconds), most(|end| end.block), most(|end| end.cartridge)]
 }
 
-const LOST: [Cause; 3] = [Cause::HeatMissing, Cause::TemperatureLost, Cause::HeatsTooSlowly];
+const LOST: [Cause; 4] = [Cause::HeatMissing, Cause::TemperatureLost, Cause::LostAtFull, Cause::HeatsTooSlowly];
 
 #[test]
 fn a_sensor_that_leaves_its_hole_is_found() {

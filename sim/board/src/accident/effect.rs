@@ -17,6 +17,7 @@ impl Accident {
     /// It happens to the plant of heat, if it is of that.
     pub fn happen(&self, faults: &mut PlantFaults) {
         match (self.row.does, self.place) {
+            (Does::Sensor(fault), Place::SecondSensor) => faults.second_sensor = fault,
             (Does::Sensor(fault), Place::Heater(heater)) => *faults.sensor_of(heater) = fault,
             (Does::Heater(fault), Place::Heater(heater)) => *faults.heater_of(heater) = fault,
             (Does::FanDead, Place::PartFan) => faults.part_fan_broken = true,
@@ -38,6 +39,10 @@ impl Accident {
         let thermal = &settings.thermal;
         let needed = match self.place {
             Place::Heater(heater) => heater,
+            Place::SecondSensor => {
+                let has_one = thermal.sensors.iter().any(|extra| extra.guarded().is_some());
+                return (!has_one).then(|| "no sensor guards a heater; its file fits one (sensors.second)".to_owned());
+            }
             Place::PartFan | Place::HotendFan => Heater::Hotend,
             Place::Machine => return (!thermal.has_heater()).then(|| "the machine has no heater".to_owned()),
             Place::Probe => {

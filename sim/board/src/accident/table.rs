@@ -55,6 +55,8 @@ impl Family {
 pub enum Place {
     /// A heater or its sensor.
     Heater(Heater),
+    /// The second sensor of a heater.
+    SecondSensor,
     /// The part fan.
     PartFan,
     /// The hotend's fan.
@@ -150,6 +152,13 @@ const HEATERS: Places = Places::Named(&[
     ("chamber", Place::Heater(Heater::Chamber)),
 ]);
 
+const SENSORS: Places = Places::Named(&[
+    ("hotend", Place::Heater(Heater::Hotend)),
+    ("bed", Place::Heater(Heater::Bed)),
+    ("chamber", Place::Heater(Heater::Chamber)),
+    ("second", Place::SecondSensor),
+]);
+
 const HOTEND: Places = Places::Named(&[("hotend", Place::Heater(Heater::Hotend))]);
 
 const FANS: Places = Places::Named(&[("hotend", Place::HotendFan), ("part", Place::PartFan)]);
@@ -190,8 +199,8 @@ const fn belts(word: &'static str, places: Places, how: How, can_end: bool, wear
 /// Every accident. Without a HOW, forces, cords and teeth are assumed: 10 N at a screw, half of the cords, one tooth,
 /// and friction of 15 N, a quarter of what a motor holds.
 pub const ROWS: [Row; 30] = [
-    sensor("open", SensorFault::Open, "a wire of the sensor is off"),
-    sensor("short", SensorFault::ShortToGround, "the sensor is shorted to ground"),
+    heat("open", SENSORS, Does::Sensor(SensorFault::Open), "a wire of the sensor is off"),
+    heat("short", SENSORS, Does::Sensor(SensorFault::ShortToGround), "the sensor is shorted to ground"),
     sensor("frozen", SensorFault::Frozen, "the reading does not change any more"),
     sensor(
         "loose",

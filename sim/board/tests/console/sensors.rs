@@ -10,7 +10,7 @@ use corehbot_sim::eeprom::Eeprom;
 /// The prototype with a sensor in the chamber, and a PT1000 on the board.
 fn machine() -> Settings {
     let mut settings = Settings::prototype();
-    let [chamber, board, _] = &mut settings.sensors;
+    let [chamber, board, ..] = &mut settings.thermal.sensors;
     (chamber.is_fitted, chamber.sensor) = (true, SensorSource::At(Sensor::Hotend1));
     (board.is_fitted, board.thermistor) = (true, Thermistor::PT1000);
     settings
@@ -57,7 +57,7 @@ fn a_heater_in_the_chamber_counts_before_a_sensor_there() {
 fn a_broken_one_is_told_and_stops_nothing() {
     // Two sensors share an input: each reads it by its own law.
     let mut settings = machine();
-    settings.sensors[1].sensor = SensorSource::At(Sensor::Hotend1);
+    settings.thermal.sensors[1].sensor = SensorSource::At(Sensor::Hotend1);
     let (heard, ..) = talk_to(&settings, None, &["G4 P100", "M105", "M122", "M104 S0", "G1 X1 F6000", "M105"]);
     let lines: Vec<_> = heard.iter().filter(|line| line.starts_with("ok T")).collect();
     assert!(lines.iter().all(|line| line.contains(" M:open @:") && degrees(line, 'C').is_some()), "{lines:?}");
@@ -70,7 +70,7 @@ fn a_broken_one_is_told_and_stops_nothing() {
 #[test]
 fn the_processors_own_temperature_is_one_of_them() {
     let mut settings = machine();
-    (settings.sensors[1].sensor, settings.sensors[2].is_fitted) = (SensorSource::Mcu, true);
+    (settings.thermal.sensors[1].sensor, settings.thermal.sensors[2].is_fitted) = (SensorSource::Mcu, true);
     let line = temperatures(&settings);
     assert_eq!((degrees(&line, 'M'), degrees(&line, 'C').map(|(_, target)| target)), (Some((40.0, 0.0)), Some(0.0)));
     let (heard, ..) = talk_to(&settings, None, &["G4 P100", "M122"]);

@@ -86,6 +86,8 @@ pub struct PlantFaults {
     pub bed_sensor: SensorFault,
     /// The thermistor in the chamber's air.
     pub chamber_sensor: SensorFault,
+    /// A second sensor on a heater: of its faults, those of its wire.
+    pub second_sensor: SensorFault,
     /// Each thermistor of hotend and bed is plugged into the other's socket.
     pub swapped_sensors: bool,
     /// The hotend's heater (`power`), and the switch of the hotend's output (`stuck_on`).
@@ -141,6 +143,7 @@ impl PlantFaults {
             hotend_sensor: SensorFault::None,
             bed_sensor: SensorFault::None,
             chamber_sensor: SensorFault::None,
+            second_sensor: SensorFault::None,
             swapped_sensors: false,
             hotend_heater: HeaterFault::NONE,
             bed_heater: HeaterFault::NONE,

@@ -166,6 +166,22 @@ impl Plant {
         self.chamber.air
     }
 
+    /// The reading of a second sensor of such a kind in the element of a heater: in its cartridge, its mat, or the fins
+    /// of the chamber's heater.
+    #[must_use]
+    pub fn second_sample(&self, heater: Heater, kind: &Thermistor) -> u16 {
+        let celsius = match heater {
+            Heater::Hotend => self.hotend.cartridge,
+            Heater::Bed => self.bed.mat,
+            Heater::Chamber => self.chamber.element,
+        };
+        match self.faults.second_sensor {
+            SensorFault::Open | SensorFault::ShortToSupply => u16::MAX,
+            SensorFault::ShortToGround => 0,
+            _ => share_at(kind, celsius, self.constants.converter.pull_up_ohm),
+        }
+    }
+
     /// A hand holds the part with this heater's sensor until it is so warm, in C.
     pub const fn hold(&mut self, heater: Heater, celsius: f64) {
         match heater {
@@ -223,6 +239,13 @@ impl Plant {
     pub const fn faults(&mut self) -> &mut PlantFaults {
         &mut self.faults
     }
+}
+
+/// The reading of a thermistor under a pull-up at a temperature, in 1/65,536 of the reference.
+#[must_use]
+pub fn share_at(kind: &Thermistor, celsius: f64, pull_up_ohm: f64) -> u16 {
+    let ohm = kind.ohm(celsius);
+    (65_536.0 * ohm / (ohm + pull_up_ohm)) as u16
 }
 
 /// Heat flows between neighbours; heat that leaves one enters the other.

@@ -38,14 +38,10 @@ impl Plant {
             duty * heater.nominal_watt * volts * volts * fault.power / resistance.max(0.1)
         };
         let [hotend, bed] = duties;
-        let chamber = self
-            .constants
-            .chamber
-            .as_ref()
-            .map(|chamber| {
-                let duty = conducts(drive.chamber, f.chamber_heater);
-                watt(duty, &chamber.heater, self.chamber.element, f.chamber_heater)
-            });
+        let chamber = self.constants.chamber.as_ref().map(|chamber| {
+            let duty = conducts(drive.chamber, f.chamber_heater);
+            watt(duty, &chamber.heater, self.chamber.element, f.chamber_heater)
+        });
         [
             watt(hotend, &self.constants.hotend.heater, self.hotend.cartridge, f.hotend_heater),
             watt(bed, &self.constants.bed.heater, self.bed.mat, f.bed_heater),

@@ -4,12 +4,12 @@ extern crate std;
 
 use super::spelled_out::heat;
 use super::{content_of_payload, record_of};
-use crate::connectors::ConnectorName;
+use crate::connectors::{ConnectorName, Heater};
 use crate::settings::rows::{Field, Key, Legal, Text24, Value, Visitor};
 use crate::settings::{
-    Advance, Alignment, AxisEnd, AxisSettings, Bed, Belt, Cartesian, CornerRule, DriverSettings, Endstop, EndstopPlug,
-    ExtraSensor, FanRole, FanSettings, Guards, HeaterModel, HeaterSettings, Heaters, Homing, MotorPlug, OwnDriver,
-    Pause, Pid, SensorSource, Settings, Shaper, ShaperKind, ThermalSettings, Thermistor,
+    Advance, Alignment, AxisEnd, AxisSettings, Bed, Belt, Cartesian, CornerRule, DriverSettings, EXTRA_SENSORS,
+    Endstop, EndstopPlug, ExtraSensor, FanRole, FanSettings, Guards, HeaterModel, HeaterSettings, Heaters, Homing,
+    MotorPlug, OwnDriver, Pause, Pid, SensorSource, Settings, Shaper, ShaperKind, ThermalSettings, Thermistor,
 };
 use crate::storage::payload::{LONGEST_PAYLOAD, MOST_UNKNOWN, Unknown, write};
 use crate::storage::record::{HEADER, LONGEST, ROOM};
@@ -93,8 +93,6 @@ fn the_longest_values_fit() {
     (s.arc_tolerance, s.lookahead_time, s.minimum_cruise_ratio) = (Mm::MIN, Seconds::MAX, Ratio::MAX);
     (s.keepalive_s, s.patience_ms) = (u8::MAX, u16::MAX);
     s.thermal = hottest();
-    let thermistor = Thermistor::Beta { ohms: u32::MAX, beta: u16::MAX, cubic: 0 };
-    s.sensors.fill(ExtraSensor { is_fitted: true, sensor: SensorSource::Mcu, thermistor });
     // All names as long as they may be, and each number as great as it may be.
     let name = Value::Text(Text24::try_from("1234").unwrap());
     assert!(s.motor_names.iter_mut().all(|motor| motor.set(&name)));
@@ -211,8 +209,16 @@ fn hottest() -> ThermalSettings {
         ..heat().heaters.bed
     };
     let fan = FanSettings { role: FanRole::Controller, kick_ms: u16::MAX, least: Ratio::MAX, most: Ratio::MAX };
+    let sensor = ExtraSensor {
+        is_fitted: true,
+        sensor: SensorSource::Mcu,
+        thermistor: Thermistor::Beta { ohms: u32::MAX, beta: u16::MAX, cubic: 0 },
+        guards: Some(Heater::Chamber),
+        most: Celsius::MIN,
+    };
     ThermalSettings {
         heaters: Heaters { hotend: heater, bed: heater, chamber: heater },
+        sensors: [sensor; EXTRA_SENSORS],
         fans: heat().fans.map(|_| fan),
         min_extrude: Celsius::MIN,
         hotend_fan_above: Celsius::MIN,
