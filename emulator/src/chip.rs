@@ -4,7 +4,7 @@
 //! window ([`UsbPort`]), and the decoder leads to it ([`crate::decoder`]). The crate's own slot only hears its reset
 //! line.
 //!
-//! TIM6, TIM7, TIM9 and TIM12 have models of their own ([`small_timers`](crate::small_timers)).
+//! The calendar counts ([`calendar`](crate::calendar)). TIM6, TIM7, TIM9 and TIM12 have models of their own ([`small_timers`](crate::small_timers)).
 //!
 //! The crate has no EXTI model, and its table does not connect EXTI with the interrupt of the supply's detector. Here
 //! EXTI keeps the written value, and never has a pending interrupt. A test that lets the supply fall checks that the
@@ -14,6 +14,7 @@
 //! there, [`FlashInterface`] takes them, and the emulator starts with a memory map in which flash has a programmer.
 
 use crate::cable::Plug;
+use crate::calendar::Calendar;
 use crate::clock_tree::{ClockTree, Defect, Supply};
 use crate::flash::FlashSectors;
 use crate::flash_interface::FlashInterface;
@@ -47,6 +48,8 @@ pub struct Chip {
     clock_tree: ClockTree,
     supply: Supply,
     lines: Lines,
+    /// The calendar, which a reset leaves alone.
+    pub calendar: Calendar,
     small_timers: [SmallTimer; small_timers::ALL.len()],
     basic_timers: [BasicTimer; small_timers::BASIC.len()],
     basic_slots: [Option<usize>; small_timers::BASIC.len()],
@@ -54,8 +57,8 @@ pub struct Chip {
     pub flash: Option<FlashInterface>,
     /// A bus with that board's memory, which gives the emulator its map before it starts.
     map: Option<Bus>,
-    /// Where the bus has the five, and the small timers.
-    slots: [Option<usize>; 5],
+    /// Where the bus has the six, and the small timers.
+    slots: [Option<usize>; 6],
     timer_slots: [Option<usize>; small_timers::ALL.len()],
 }
 
@@ -98,7 +101,7 @@ impl Chip {
         let usb_slot = part.bus_mut().add_window(window())?;
         let usb = UsbPort::new(part.bus().slots()[usb_slot].peripheral().registers);
         let slot_of = |name| part.bus().slots().iter().position(|slot| slot.peripheral().name == name);
-        let slots = ["OTG_FS_GLOBAL", "RCC", "PWR", "EXTI", "FLASH"].map(slot_of);
+        let slots = ["OTG_FS_GLOBAL", "RCC", "PWR", "EXTI", "FLASH", "RTC"].map(slot_of);
         let timer_slots = small_timers::ALL.map(|timer| slot_of(timer.name));
         let basic_slots = small_timers::BASIC.map(slot_of);
         Ok(Self {
@@ -109,6 +112,7 @@ impl Chip {
             clock_tree: ClockTree::new(),
             supply: Supply::new(),
             lines: Lines,
+            calendar: Calendar::new(),
             small_timers: small_timers::new(),
             basic_timers: small_timers::basic(),
             basic_slots,
@@ -186,6 +190,12 @@ impl Chip {
         Some((&mut self.small_timers[place], self.part.bus_mut().slot_mut(slot).registers_mut()))
     }
 
+    /// The rate of the calendar's clock in Hz; 0 while it is off.
+    fn slow_clock(&self) -> u64 {
+        let Some(slot) = self.slots[1] else { return 0 };
+        self.clock_tree.rates().rtc_clock(self.part.bus().slots()[slot].registers())
+    }
+
     /// The rates of HCLK, PCLK1 and PCLK2 in Hz.
     #[must_use]
     pub fn rates(&self) -> [u64; 3] {
@@ -232,12 +242,16 @@ impl Mcu for Chip {
         if let Some(place) = self.basic_slots.iter().position(|mine| *mine == Some(slot)) {
             return (self.part.bus_mut(), Some(&mut self.basic_timers[place]));
         }
+        if self.slots[5] == Some(slot) {
+            self.calendar.hz = self.slow_clock();
+        }
         let model: &mut dyn ErasedDevice = match self.slots.iter().position(|mine| *mine == Some(slot)) {
             Some(0) => &mut self.usb_reset,
             Some(1) => &mut self.clock_tree,
             Some(2) if self.clock_tree.defect() == Defect::OverDrive => &mut self.supply,
             Some(3) => &mut self.lines,
             Some(4) if let Some(flash) = &mut self.flash => flash,
+            Some(5) => &mut self.calendar,
             _ => return self.part.split(slot),
         };
         (self.part.bus_mut(), Some(model))

@@ -14,6 +14,7 @@
 pub mod board;
 pub mod bootloader;
 pub mod cable;
+pub mod calendar;
 pub mod chip;
 pub mod cli;
 pub mod clock_rules;

@@ -3,6 +3,7 @@
 
 mod accelerometer;
 mod bringup;
+mod clock_check;
 mod clocks;
 mod common;
 mod drivers;

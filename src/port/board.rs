@@ -19,9 +19,9 @@ pub trait BoardFacts {
         None
     }
 
-    /// A warning for M122 about this board's protection of its outputs, if it does not work.
-    fn warning(&self) -> Option<&'static str> {
-        None
+    /// Warnings for M122 about protections of this board that do not work.
+    fn warnings(&self) -> [Option<&'static str>; 2] {
+        [None; 2]
     }
 
     /// How often since the start a register of the heaters had changed by itself and was set right.

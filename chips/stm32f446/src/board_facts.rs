@@ -3,7 +3,7 @@
 use corehbot::connectors::BoardConnectors;
 use corehbot::port::BoardFacts;
 
-use crate::{heater_registers, supply};
+use crate::{clock_check, heater_registers, supply};
 
 /// This board.
 pub struct ThisBoard {
@@ -28,8 +28,8 @@ impl BoardFacts for ThisBoard {
         self.refusal
     }
 
-    fn warning(&self) -> Option<&'static str> {
-        supply::warning()
+    fn warnings(&self) -> [Option<&'static str>; 2] {
+        [supply::warning(), clock_check::warning()]
     }
 
     fn registers_set_right(&self) -> u32 {

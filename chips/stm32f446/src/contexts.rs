@@ -3,7 +3,7 @@
 use core::future::poll_fn;
 use core::pin::pin;
 
-use corehbot::fault::Cause;
+use corehbot::fault::{Cause, Fault};
 use corehbot::port::{LINES, Lines, Received, Serial as _};
 use corehbot::status::Status;
 use corehbot_cortex_m4::{Handover, finish_stores};
@@ -18,7 +18,9 @@ use crate::handles::{Console, StepGenerator, ThermalControl};
 use crate::host_serial::HostSerial;
 use crate::usb::{self, UsbPort};
 use crate::wake::IrqWake;
-use crate::{fault, heater_timer, interrupt_storm, pin_scrub, priorities, ram_walk, reset_reason, time, watchdog};
+use crate::{
+    clock_check, fault, heater_timer, interrupt_storm, pin_scrub, priorities, ram_walk, reset_reason, time, watchdog,
+};
 
 static GENERATOR: Handover<&'static mut StepGenerator> = Handover::new();
 static THERMAL: Handover<(&'static mut ThermalControl, &'static Status)> = Handover::new();
@@ -132,6 +134,9 @@ fn TIM5() {
     THERMAL.with(|(thermal, status)| {
         if let Some(fault) = interrupt_storm::fault() {
             status.fault().set(fault);
+        }
+        if !clock_check::is_right() {
+            status.fault().set(Fault::plain(Cause::ClockFailed));
         }
         thermal.period();
         // M999 or the watchdog may reset at any time from now on.

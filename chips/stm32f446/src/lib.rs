@@ -49,6 +49,8 @@ mod board_storage;
 #[cfg(target_os = "none")]
 mod bus;
 #[cfg(target_os = "none")]
+mod clock_check;
+#[cfg(target_os = "none")]
 mod clocks;
 #[cfg(target_os = "none")]
 mod console_waker;

@@ -31,8 +31,8 @@ use crate::usart::UsartLine;
 use crate::usb::{self, UsbLine, UsbPort};
 use crate::wiring::{Board, Image, Input, Mark, OF_144_PINS, SerialPort};
 use crate::{
-    after_bootloader, clocks, fault, plain_serial, ports, priorities, ram_walk, safe_levels, servo, stack_guard,
-    supply, time, watchdog,
+    after_bootloader, clock_check, clocks, fault, plain_serial, ports, priorities, ram_walk, safe_levels, servo,
+    stack_guard, supply, time, watchdog,
 };
 use corehbot_board_support::memory::Memory;
 
@@ -87,6 +87,7 @@ fn make_ready(image: &'static Image, find: Find) -> (Handles, Option<UsbPort>, b
         plain_serial::tell(ports_of(board, found), &["Error:", cause, ", this board cannot print\n"]);
     }
     time::start();
+    clock_check::start();
     supply::watch();
     if found != Found::Right {
         let (lines, usb) = open_lines(board, found, None, past.reason);

@@ -63,6 +63,13 @@ pub enum Injection {
         /// The word before.
         word: u32,
     },
+    /// The slow oscillator has another rate, as the calendar counts it.
+    SlowOscillator {
+        /// Virtual time before it, in ns.
+        after: u64,
+        /// The rate in Hz.
+        hz: u64,
+    },
     /// A word of RAM is damaged.
     BadWord(BadWord),
     /// Bits of registers flip, one after the other.
@@ -153,6 +160,8 @@ impl Watch {
                 self.spring(session, host);
             }
             Injection::Storm { line, .. } => self.hold(host, line, Level::High),
+            Injection::SlowOscillator { after, .. } if at.0 < after => return,
+            Injection::SlowOscillator { hz, .. } => session.board_mut().mcu.calendar.drift = Some(hz),
             Injection::BadWord(word) if at.0 < word.after => return,
             Injection::BadWord(word) => self.damage(session, host, word),
             Injection::FlipEach(each) => return self.flip_next(session.board_mut(), at.0, &each),

@@ -28,7 +28,7 @@ pub(in crate::machine) async fn carry_out<P: PortSet, W: Wake>(
     }
     report_belt(main_loop).await?;
     main_loop.tell(|to, facts| report_overload(to, facts.status.overload()));
-    if let Some(warning) = main_loop.board.warning() {
+    for warning in main_loop.board.warnings().into_iter().flatten() {
         main_loop.say(text!("echo:{warning}"));
     }
     let times = main_loop.board.registers_set_right();
