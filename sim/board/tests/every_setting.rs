@@ -143,6 +143,7 @@ fn by_path(settings: &Settings) -> BTreeMap<String, Value> {
 /// The key of a setting in a machine file.
 fn key_of(path: &str) -> String {
     let path = path.replace("thermal.heaters", "heaters").replace("thermal.fans", "fans");
+    let path = path.replace("thermal.sensors", "sensors").replace("supply.is_on_high", "supply.on_high");
     let path = if path.starts_with("endstops.") { path.replace("endstops.", "homing.") } else { path };
     let path = path.strip_prefix("axis_min.").map_or(path.clone(), |axis| format!("axes.{axis}.min"));
     let path = path.replace("homing_order", "homing.order").replace("fan_pulses", "fans.pulses");
@@ -259,7 +260,7 @@ fn is_of_all_machines(path: &str) -> bool {
         && !OF_MOTORS.contains(&path)
         && !is_of_closed_belt
         && !path.starts_with("thermal.")
-        && !path.starts_with("sensors.")
+        && !path.starts_with("supply.")
         && !path.starts_with("job.")
         && !path.starts_with("probe.")
         && !path.starts_with("accelerometer.")

@@ -139,8 +139,8 @@ fn every_fault_of_a_text_is_named() {
     assert!(opne.ends_with("fallen, mended; did you mean `open`?"), "{opne}");
     assert!(wrong("sized:m8@1s").ends_with("did you mean `seized`?") && !wrong("kick:m8@1s").contains("did you mean"));
     assert_eq!(wrong("seized@1s"), "seized needs a place: a belt motor or a pulley, such as seized:m8@20s");
-    assert_eq!(wrong("open:part@60s"), "`part` is not a place for open: hotend, bed, chamber");
-    assert_eq!(wrong("open:probe@60s"), "`probe` is not a place for open: hotend, bed, chamber");
+    assert_eq!(wrong("open:part@60s"), "`part` is not a place for open: hotend, bed, chamber, second");
+    assert_eq!(wrong("open:probe@60s"), "`probe` is not a place for open: hotend, bed, chamber, second");
     assert_eq!(wrong("fan-dead:bed@60s"), "`bed` is not a place for fan-dead: hotend, part");
     assert_eq!(wrong("stuck:m1@60s"), "`m1` is not a place for stuck: probe");
     assert_eq!(wrong("jump:@60s"), "`` is not a place for jump: a belt motor");

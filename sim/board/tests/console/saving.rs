@@ -52,11 +52,11 @@ fn an_emergency_stop_is_heard_while_settings_are_saved() {
         let outcome = run_with(&made, None, &mut eeprom, &mut [&mut host], &mut Steps::default()).unwrap();
         (outcome.halted, eeprom.writes(), eeprom.settings(), host.talk.heard)
     };
-    let (halted, writes, kept, heard) = save("M112\n", 40);
+    let (halted, writes, kept, heard) = save("M112\n", 56);
     assert!(halted && writes > before && writes < before + size, "{writes} writes: {heard:?}");
     assert_eq!(kept, Some(stored));
     // A quick stop has nothing to stop there; the save continues.
-    let (halted, _, kept, heard) = save("M410\n", 40);
+    let (halted, _, kept, heard) = save("M410\n", 56);
     stored.keepalive_s = 8;
     assert!(!halted && kept == Some(stored), "{heard:?}");
     assert!(heard.iter().any(|l| l.starts_with("echo:Settings Stored")), "{heard:?}");
