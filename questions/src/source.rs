@@ -1,5 +1,6 @@
 //! Source: the steps of a file, which is a trace, or G-code that goes through the firmware first.
 
+use crate::outside::name_by_place;
 use anyhow::{Context as _, Result, bail, ensure};
 use corehbot::motors::{Motor, MotorName, MotorSet};
 use corehbot::settings::Settings;
@@ -93,8 +94,9 @@ fn print(path: &Path, plate: Plate, printer: &Printer, stop: &Stop) -> Result<St
     if outcome.halted {
         bail!("{name}: the print failed: an emergency stop holds");
     }
-    let mut steps = log.steps;
+    let Log { mut steps, rises, .. } = log;
     steps.line_types = host.notes().types().iter().map(line_type).collect();
+    name_by_place(&mut steps.plan, &rises, &mut steps.line_types);
     Ok(steps)
 }
 
@@ -140,6 +142,8 @@ fn columns(settings: &Settings) -> Vec<Column> {
 pub struct Log {
     /// The steps.
     pub steps: StepTrace,
+    /// The way of each planned move along z in mm.
+    rises: Vec<f64>,
     /// Since when a shaper delays x and y by so many ticks, in the mean.
     late: Vec<(u64, [u64; 2])>,
     /// Whether a switch may have ended the last move.
@@ -151,7 +155,7 @@ impl Log {
     #[must_use]
     pub fn new(settings: &Settings) -> Self {
         let steps = StepTrace::new(columns(settings), step_mm(settings));
-        Self { steps, late: vec![(0, [0; 2])], was_watched: false }
+        Self { steps, rises: Vec::new(), late: vec![(0, [0; 2])], was_watched: false }
     }
 
     /// The mean delay of the axis that is delayed more.
@@ -172,7 +176,8 @@ impl Sink for Log {
 
     fn moved(&mut self, made: &MadeMove) {
         let late = self.late_at(made.begin);
-        let [x, y, ..] = made.way;
+        let [x, y, z, ..] = made.way;
+        self.rises.push(z);
         let begins = match (made.is_apart, self.was_watched) {
             (true, true) => Begins::AtTheMotors,
             (true, false) => Begins::NearTheEnd,

@@ -165,3 +165,31 @@ fn the_touches_of_homing_are_told_apart_from_the_print() {
     let text = String::from_utf8(twin(&format!("run {} --model rotors", homed.display())).stdout).unwrap();
     assert!(text.contains("in touches      max 0.0"), "{text}");
 }
+
+/// The slicer's own names are the second source: without them the same lines are outside or inside.
+#[test]
+fn a_file_without_names_has_lines_outside_and_inside() {
+    let around = |half: f64| {
+        let corners = [[-half, half], [-half, -half], [half, -half], [half, half - 0.2]];
+        let lines = corners.map(|[x, y]| format!("G1 X{} Y{} E1 F3000\n", 110.0 + x, 110.0 + y));
+        format!("G0 X{0} Y{0} F9000\n{1}", 110.0 + half, lines.concat())
+    };
+    let named = format!(
+        "M302 P1\nM83\nG0 Z0.2\n;TYPE:External perimeter\n{};TYPE:Perimeter\n{}M400\n",
+        around(4.95),
+        around(4.5)
+    );
+    let plain: String = named.lines().filter(|line| !line.starts_with(';')).map(|line| format!("{line}\n")).collect();
+    let of = |name: &str, gcode: &str| {
+        let file = file(name, gcode);
+        json(&format!("run {} --assume-homed 100,100,0", file.display()))["by_type"].as_array().unwrap().clone()
+    };
+    let (named, plain) = (of("named.gcode", &named), of("plain.gcode", &plain));
+    for (row, [by_slicer, by_place]) in [["External perimeter", "Outside"], ["Perimeter", "Inside"]].iter().enumerate()
+    {
+        assert_eq!([&named[row]["name"], &plain[row]["name"]], [by_slicer, by_place]);
+        for key in ["seconds", "rms_um", "mostly_um", "max_um"] {
+            assert_eq!(named[row][key], plain[row][key], "{key}");
+        }
+    }
+}
