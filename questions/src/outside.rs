@@ -60,13 +60,13 @@ pub fn name_by_place(plan: &mut [Planned], rises: &[f64], types: &mut Vec<LineTy
 /// The printed lines, layer by layer.
 fn layers(plan: &[Planned], rises: &[f64]) -> Vec<Vec<Line>> {
     let mut layers: Vec<Vec<Line>> = Vec::new();
-    let (mut at, mut z, mut drawn) = ([0.0; 2], 0.0, f64::NAN);
+    let (mut at, mut z, mut drawn) = ([0.0; 2], 0.0_f64, f64::NEG_INFINITY);
     for (index, (planned, rise)) in plan.iter().zip(rises).enumerate() {
         let [x, y] = planned.way_mm;
         let to = [at[0] + x, at[1] + y];
         z += rise;
         if planned.line_type == UNNAMED && planned.way_mm != [0.0; 2] {
-            if !((z - drawn).abs() < SAME) {
+            if (z - drawn).abs() >= SAME {
                 layers.push(Vec::new());
                 drawn = z;
             }
@@ -124,7 +124,7 @@ impl Grid {
 
     /// Divides the empty cells into areas, and says of each whether it is open.
     fn find_areas(&mut self) {
-        let from_lines = self.from_lines();
+        let distances = self.distances();
         for begin in 0..self.cells.len() {
             if self.cells.get(begin) != Some(&Cell::Empty) {
                 continue;
@@ -144,7 +144,7 @@ impl Grid {
                 }
             }
             // The one around the part begins in the corner.
-            let is_wide = || area.iter().any(|place| from_lines.get(*place).is_some_and(|cells| *cells >= OPEN));
+            let is_wide = || area.iter().any(|place| distances.get(*place).is_some_and(|cells| *cells >= OPEN));
             if begin == 0 || is_wide() {
                 self.mark(&area, Cell::Open);
             }
@@ -152,7 +152,7 @@ impl Grid {
     }
 
     /// How many cells each one is from the next line, along an axis or a diagonal; at most [`OPEN`].
-    fn from_lines(&self) -> Vec<u8> {
+    fn distances(&self) -> Vec<u8> {
         let width = self.size[0] as usize;
         let mut far: Vec<_> = self.cells.iter().map(|cell| if *cell == Cell::Line { 0 } else { OPEN }).collect();
         // Once down and once up; each cell is one further than the nearest of its earlier neighbours.
