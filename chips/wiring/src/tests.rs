@@ -167,7 +167,7 @@ fn a_machine_switches_its_supply_by_one_of_the_pins_or_by_none() {
     let board: &'static Board = Box::leak(Box::new(good));
     let switch = |name: &str, is_on_high| {
         let mut machine = Settings::prototype();
-        machine.mechanism = corehbot::kinematics::Mechanism { rows: [[0; 4]; MOTORS], ..machine.mechanism };
+        machine.mechanism = corehbot::kinematics::Mechanism { rows: [[0; 4]; MOTORS] };
         let axes = &mut machine.wiring.endstops;
         [axes.x.connector, axes.y.connector, axes.z.connector] = ["X", "Y", "Z"].map(ConnectorName::lit);
         machine.supply = Supply { switch: ConnectorName::lit(name), is_on_high };
