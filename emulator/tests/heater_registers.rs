@@ -35,12 +35,15 @@ const KEPT: [(&str, u64, u32); 12] = [
     ("RCC_APB1ENR", RCC + 0x40, 1 << 3),
 ];
 
+/// Some bits of a value that each period writes.
+const SOME: u32 = 0x8421_8421;
+
 /// Registers that each period writes, or that count.
 const WRITTEN: [(&str, u64, u32); 5] = [
     ("TIM5_CNT", TIM5 + 0x24, u32::MAX),
-    ("TIM5_ARR", TIM5 + 0x2C, u32::MAX),
-    ("TIM5_CCR2", TIM5 + 0x38, u32::MAX),
-    ("TIM5_CCR3", TIM5 + 0x3C, u32::MAX),
+    ("TIM5_ARR", TIM5 + 0x2C, SOME),
+    ("TIM5_CCR2", TIM5 + 0x38, SOME),
+    ("TIM5_CCR3", TIM5 + 0x3C, SOME),
     ("RCC_APB1RSTR", RCC + 0x20, 1 << 3),
 ];
 
