@@ -12,6 +12,7 @@
 
 mod counted;
 mod heat;
+mod heat_figures;
 mod known;
 mod overload;
 mod print_progress;
@@ -24,6 +25,7 @@ use crate::fault::Latch;
 use core::sync::atomic::{AtomicBool, AtomicI32, AtomicU8, AtomicU32};
 use counted::Counted;
 pub use heat::{Heat, SelfTest, Tuned, Tuning, TuningFailure};
+pub use heat_figures::HeatFigures;
 pub use known::Known;
 use overload::Lateness;
 pub use overload::{Late, Overload};

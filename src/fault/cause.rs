@@ -77,6 +77,9 @@ pub enum Cause {
     SecondBroken = 30,
     /// The target was reached and lost, at full power.
     LostAtFull = 31,
+    /// It takes more power and its reading moves less than they did; the value is what its block may have, the limit
+    /// the reading.
+    ReadsLow = 32,
 }
 
 impl Cause {
@@ -119,7 +122,8 @@ impl Cause {
             Self::StaysWarm => Some(Self::SecondHot),
             Self::SecondHot => Some(Self::SecondBroken),
             Self::SecondBroken => Some(Self::LostAtFull),
-            Self::LostAtFull => None,
+            Self::LostAtFull => Some(Self::ReadsLow),
+            Self::ReadsLow => None,
         }
     }
 
@@ -159,6 +163,7 @@ impl Cause {
             | Self::TemperatureLost
             | Self::LostAtFull
             | Self::HeatMissing
+            | Self::ReadsLow
             | Self::Reference
             | Self::ConverterStopped => Heat::Hidden,
             Self::FanFailed
@@ -212,6 +217,7 @@ impl Cause {
             Self::StaysWarm => packed!("stays warm while switched off"),
             Self::SecondHot => packed!("second sensor hotter than it may get"),
             Self::SecondBroken => packed!("second sensor has no valid reading"),
+            Self::ReadsLow => packed!("takes more power and moves less than it did, sensor or heater loose?"),
         }
     }
 
@@ -246,6 +252,9 @@ impl Cause {
             Self::SensorsDiffer => packed!("set the kind of each sensor (thermistor), or let both get as warm"),
             Self::HeatMissing => {
                 packed!("see that sensor and heater sit firmly; if all is well, M303 E# U1 finds its model")
+            }
+            Self::ReadsLow => {
+                packed!("see that sensor and heater sit firmly, and measure the supply; then M303 E# U1")
             }
             Self::StaysWarm => {
                 packed!("unplug the heater, its switch leaks; if it is cold then, replace the board's output")
@@ -286,7 +295,8 @@ impl Cause {
             | Self::HeatMissing
             | Self::StaysWarm
             | Self::SecondHot
-            | Self::SecondBroken => Subject::Heater,
+            | Self::SecondBroken
+            | Self::ReadsLow => Subject::Heater,
             Self::FanFailed => Subject::Fan,
             Self::Reference
             | Self::ConverterStopped
@@ -335,6 +345,7 @@ impl Cause {
             | Self::InterruptStorm
             | Self::SecondBroken => None,
             Self::SensorsDiffer => Some(Limit::Other),
+            Self::ReadsLow => Some(Limit::Reads),
         }
     }
 }
@@ -359,6 +370,8 @@ enum Limit {
     AtLeast,
     /// It is the reading of the other one.
     Other,
+    /// It is the reading, and the value is what that hides.
+    Reads,
 }
 
 impl Limit {
@@ -367,6 +380,7 @@ impl Limit {
             Self::AtMost => packed!("at most"),
             Self::AtLeast => packed!("at least"),
             Self::Other => packed!("the other"),
+            Self::Reads => packed!("reads"),
         }
     }
 }
@@ -474,7 +488,7 @@ mod tests {
         let count = Cause::all().count() as u8;
         assert_eq!([Cause::of(0), Cause::of(count + 1)], [None; 2]);
         // Decoders know every variant, so `next` lacks no cause.
-        assert_eq!(postcard::from_bytes(&[count - 1]), Ok(Cause::LostAtFull));
+        assert_eq!(postcard::from_bytes(&[count - 1]), Ok(Cause::ReadsLow));
         assert!(postcard::from_bytes::<Cause>(&[count]).is_err());
     }
 }

@@ -34,7 +34,7 @@ use crate::machine::print::named_texts::next_line;
 use crate::machine::print::upload;
 use crate::machine::probe::touch::end_touch;
 use crate::machine::setup::kept_mesh::take_mesh_to_use;
-use crate::machine::setup::stored::{load_at_start, note_self_test, report_start};
+use crate::machine::setup::stored::{load_at_start, note_baseline, note_self_test, report_start};
 use crate::machine::state::held_line::Answered;
 use crate::machine::state::job::JobEnd;
 use crate::machine::states::States;
@@ -146,8 +146,11 @@ impl<'m, P: PortSet, W: Wake> Console<'m, P, W> {
         let Self { main_loop, states } = self;
         let (mut text, mut held_text) = (Text::new(), Text::new());
         loop {
-            if main_loop.heat.has_passed_test() && !main_loop.motion.has_motion() {
-                note_self_test(main_loop).await?;
+            if !main_loop.motion.has_motion() {
+                if main_loop.heat.has_passed_test() {
+                    note_self_test(main_loop).await?;
+                }
+                note_baseline(main_loop).await?;
             }
             keep_to_surface(main_loop).await?;
             if main_loop.job.take_cancel() {

@@ -1,5 +1,6 @@
 //! Heaters and fans for the Console, and its information on the filament.
 
+use super::heat_figures::{HeatFigures, Place};
 use crate::connectors::{FANS, HEATERS, Heater, SENSORS, Sensor};
 use crate::fault::Cause;
 use crate::units::Celsius;
@@ -92,9 +93,11 @@ pub struct Heat {
     targets: [AtomicI32; HEATERS],
     /// Numbers of the causes for which heaters are refused; 0 for none.
     ailments: [AtomicU8; HEATERS],
-    /// Of 65,535.
     /// Whether a wait for them is in vain.
     are_slow: [AtomicBool; HEATERS],
+    /// What hotend and bed have shown of their heat.
+    figures: [Place; 2],
+    /// Of 65,535.
     duties: [AtomicU16; HEATERS],
     fans: [AtomicU16; FANS],
     /// One more than the pulses of each fan's tachometer in the last window, and [`STILL`]; 0 without one.
@@ -143,6 +146,7 @@ impl Heat {
             targets: [const { AtomicI32::new(0) }; HEATERS],
             ailments: [const { AtomicU8::new(0) }; HEATERS],
             are_slow: [const { AtomicBool::new(false) }; HEATERS],
+            figures: [const { Place::new() }; 2],
             duties: [const { AtomicU16::new(0) }; HEATERS],
             fans: [const { AtomicU16::new(0) }; FANS],
             tachometers: [const { AtomicU32::new(0) }; FANS],
@@ -209,6 +213,12 @@ impl Heat {
     #[must_use]
     pub fn is_slow(&self, heater: Heater) -> bool {
         self.are_slow[heater as usize].load(Relaxed)
+    }
+
+    /// What it has shown of its heat; a chamber shows nothing.
+    #[must_use]
+    pub fn figures(&self, heater: Heater) -> HeatFigures {
+        self.figures.get(heater as usize).map_or(HeatFigures::NONE, Place::load)
     }
 
     /// Whether any heater has one.
@@ -300,6 +310,12 @@ impl Heat {
 
     pub(crate) fn set_slow(&self, heater: Heater, is_slow: bool) {
         self.are_slow[heater as usize].store(is_slow, Relaxed);
+    }
+
+    pub(crate) fn set_figures(&self, heater: Heater, figures: HeatFigures) {
+        if let Some(place) = self.figures.get(heater as usize) {
+            place.store(figures);
+        }
     }
 
     pub(crate) fn set_fan(&self, fan: usize, duty: u16) {

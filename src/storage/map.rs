@@ -10,7 +10,7 @@
 //! | 3,328 | 160 | mesh, slot B |
 //! | 3,488 | 384 | settings, slot B: the second part |
 //! | 3,872 | 192 | reserved for a power loss: a layer of 160 bytes, and a position |
-//! | 4,064 | 32 | notes: 8 bytes of the last self-test, 8 of the load of belt motors; 16 are free |
+//! | 4,064 | 32 | notes of 8 bytes: the last self-test, the load of belt motors, the baselines of hotend and bed |
 //!
 //! The second part lies behind the mesh, so that everything has the address of earlier firmware: an update moves
 //! nothing, and a power cut in between has nothing to spoil.
@@ -87,6 +87,9 @@ pub(super) const SELF_TEST: u32 = NOTE.begin;
 
 /// The address of the note of the load of belt motors.
 pub(super) const BELT_LOADS: u32 = NOTE.begin + 8;
+
+/// The addresses of the notes of the baselines of hotend and bed.
+pub(super) const BASELINES: [u32; 2] = [NOTE.begin + 16, NOTE.begin + 24];
 
 // The regions follow each other without a gap, in whole pages, up to the end.
 const _: () = {

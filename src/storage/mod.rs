@@ -8,8 +8,8 @@
 //!
 //! Next to it an image has the owner's texts (`texts`), for which settings have no room.
 //!
-//! The last page has notes (`notes`): the last self-test of the heaters that was passed, and the load that a mm of
-//! strain takes of belt motors. `map` says where everything lies.
+//! The last page has notes (`notes`): the last self-test of the heaters that was passed, the load that a mm of strain
+//! takes of belt motors, and what hotend and bed take and move when they are healthy. `map` says where everything lies.
 
 mod machine;
 mod machine_block;
@@ -31,7 +31,7 @@ pub use mesh::{
     MOST_STORED, MeshFate, MeshNotSaved, MeshRejected, StoredMesh, follow_settings, forget_mesh, is_of_others,
     load_mesh, machine_of as mesh_machine, save_mesh,
 };
-pub use notes::{belt_loads, note_belt_loads, note_passed_test, passed_test};
+pub use notes::{baseline, belt_loads, note_baseline, note_belt_loads, note_passed_test, passed_test};
 pub use payload::Unknown;
 pub use record::{FORMAT, LONGEST, Receipt, Rejected};
 pub use slots::{SaveError, Slot, Stored, Survey, is_present, save, save_with, survey, survey_with};

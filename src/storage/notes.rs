@@ -9,8 +9,9 @@
 //! |---|---|---|
 //! | the last self-test that was passed: heaters need none before the next update | `CHBT` | the tested heaters |
 //! | the load that a mm of strain takes, of two residuals of the belt | `CHBL` | 16 bits for each; 0 is not known |
+//! | the baseline of a heater: power and movement | the sum of its model | 16 bits for each, 8 of them behind the point |
 
-use super::map::{BELT_LOADS, SELF_TEST};
+use super::map::{BASELINES, BELT_LOADS, SELF_TEST};
 use crate::checksum::crc32;
 use crate::port::{Storage, StorageError};
 
@@ -74,4 +75,33 @@ pub async fn belt_loads(storage: &mut impl Storage) -> Result<[u16; 2], StorageE
 /// The storage's.
 pub async fn note_belt_loads(storage: &mut impl Storage, [first, second]: [u16; 2]) -> Result<(), StorageError> {
     LOADS.write(storage, u32::from(first) | u32::from(second) << 16).await
+}
+
+/// The baseline of a heater, 0 the hotend and 1 the bed, for the model with this sum; `None` if there is none, if it
+/// is of another model, or if its note is not whole.
+///
+/// # Errors
+/// The storage's.
+pub async fn baseline(
+    storage: &mut impl Storage,
+    heater: usize,
+    subject: u32,
+) -> Result<Option<[u16; 2]>, StorageError> {
+    let Some(place) = BASELINES.get(heater) else { return Ok(None) };
+    let both = Note(*place, subject.to_le_bytes()).read(storage).await?;
+    Ok(both.map(|both| [both as u16, (both >> 16) as u16]).filter(|both| *both != [0; 2]))
+}
+
+/// Notes the baseline of a heater for the model with this sum; zeros erase it. A power cut in between costs it.
+///
+/// # Errors
+/// The storage's.
+pub async fn note_baseline(
+    storage: &mut impl Storage,
+    heater: usize,
+    subject: u32,
+    [power, less]: [u16; 2],
+) -> Result<(), StorageError> {
+    let Some(place) = BASELINES.get(heater) else { return Ok(()) };
+    Note(*place, subject.to_le_bytes()).write(storage, u32::from(power) | u32::from(less) << 16).await
 }

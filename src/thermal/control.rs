@@ -162,6 +162,7 @@ impl<'m, H: ThermalPort, W: Wake> ThermalControl<'m, H, W> {
                     self.heaters[heater as usize].configure(settings);
                     has_new_settings = true;
                 }
+                Order::Baseline(heater, baseline) => self.heaters[heater as usize].know(baseline),
                 Order::FanSettings(fan, settings) => {
                     if let Some(fan) = self.fans.get_mut(usize::from(fan)) {
                         fan.configure(settings);
@@ -285,6 +286,7 @@ impl<'m, H: ThermalPort, W: Wake> ThermalControl<'m, H, W> {
             self.status.heat().set_heater(heater, measured, target, duty);
             self.status.heat().set_ailment(heater, looped.ailment());
             self.status.heat().set_slow(heater, looped.is_slow());
+            self.status.heat().set_figures(heater, looped.figures());
         }
     }
 
@@ -300,13 +302,13 @@ impl<'m, H: ThermalPort, W: Wake> ThermalControl<'m, H, W> {
         // um a period times J/(K mm), times periods a second over 1000 um: W/K.
         let filament = quotient(u64::from(moved) * u64::from(self.common.filament.to_bits()), PERIOD_MS);
         let [coming, then] = heat.filament_ahead().map(|bits| I8F24::from_bits(saturated(bits.into())));
-        let fan = share(self.part_fan);
         Circumstances {
             warmed_to: Celsius::MIN,
             rests: false,
             differs: false,
             refused: None,
-            fan,
+            other: self.heaters[Heater::Bed as usize].figures().low(),
+            fan: share(self.part_fan),
             filament: I8F24::from_bits(saturated(filament.into())),
             ahead: Ahead { coming, then },
         }

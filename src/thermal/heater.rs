@@ -1,7 +1,7 @@
 //! One heater: its sensor, its controller, its guards.
 
 use super::fixed_point::{duty, share};
-use super::guard::{Alarm, Numbers, Window};
+use super::guard::{Alarm, Numbers, Window, has_own_model};
 use super::heater_guards::{Aim, HeaterGuards, Watched};
 use super::lag_watch::{LagNumbers, LagWatch};
 use super::observer::{Coefficients, Observer, Past};
@@ -13,6 +13,7 @@ use super::tune::Tune;
 use crate::connectors::Heater;
 use crate::fault::Cause;
 use crate::settings::{Control, HeaterSettings};
+use crate::status::HeatFigures;
 use crate::units::{Celsius, Power, Ratio};
 use fixed::types::I8F24;
 
@@ -33,6 +34,8 @@ pub struct Circumstances {
     pub differs: bool,
     /// Why its second sensor refuses heat.
     pub refused: Option<Cause>,
+    /// How many times too low the bed reads, by its heat; 0 is not known.
+    pub other: u16,
 }
 
 /// The ceiling: a heater gets no power this far above its target, whatever the model or the gains say.
@@ -42,6 +45,8 @@ const CEILING: Celsius = Celsius::const_from_int(10);
 pub struct HeaterLoop {
     heater: Heater,
     settings: HeaterSettings,
+    /// Its model is not the one that any heater of its kind begins with.
+    has_own_model: bool,
     curve: Curve,
     filter: Filter,
     window: Window,
@@ -73,6 +78,7 @@ impl HeaterLoop {
         Self {
             heater,
             settings,
+            has_own_model: has_own_model(heater, &settings),
             curve: Curve::new(settings.thermistor),
             filter: Filter::new(),
             window: Window::new(),
@@ -108,6 +114,7 @@ impl HeaterLoop {
             self.switching = Switching::new(settings.period_ms);
         }
         if before != settings {
+            self.has_own_model = has_own_model(self.heater, &settings);
             self.observer = None;
             self.lag_watch = LagWatch::new(&settings.model);
             self.guards.configure(&settings);
@@ -184,6 +191,16 @@ impl HeaterLoop {
         self.wanted > 0 && self.wanted >= self.most()
     }
 
+    /// The baseline of its heat, as it was stored; zeros begin to learn it.
+    pub const fn know(&mut self, baseline: [u16; 2]) {
+        self.guards.know(baseline);
+    }
+
+    /// What its heat has shown.
+    pub const fn figures(&self) -> HeatFigures {
+        self.guards.figures()
+    }
+
     /// Numbers from the settings, for their sum.
     pub const fn derived(&self) -> (&Curve, &Numbers, &LagNumbers) {
         (&self.curve, self.guards.numbers(), self.lag_watch.numbers())
@@ -253,8 +270,13 @@ impl HeaterLoop {
         }
         // What was put out in the last period: a relay is on or off for whole periods, whatever duty was wanted.
         let power = self.power_at(self.given);
-        let past = Past { power, is_free: self.is_free, fan: now.fan, filament: now.filament, measured: good };
-        match (&mut self.observer, good) {
+        // The control sees what would be without the dither.
+        let (dither, answer) = self.guards.told();
+        let calm = good.map(|measured| measured.saturating_sub(answer));
+        let power_without = power.saturating_sub(dither);
+        let past =
+            Past { power: power_without, is_free: self.is_free, fan: now.fan, filament: now.filament, measured: calm };
+        match (&mut self.observer, calm) {
             (Some(observer), _) => observer.follow(&past),
             (none, Some(measured)) => *none = Some(Observer::new(Coefficients::new(&self.settings), measured)),
             (None, None) => {}
@@ -273,7 +295,7 @@ impl HeaterLoop {
         }
         // Before the decision, so that an alarm leaves no duty for this period.
         self.watch(measured, power, now)?;
-        let wanted = self.decide(measured, now, tune);
+        let wanted = self.decide(measured, calm.unwrap_or(measured), now, tune);
         Ok(self.put_out(wanted))
     }
 
@@ -297,10 +319,12 @@ impl HeaterLoop {
             target if self.is_tuned => Aim::Tune(target),
             target => Aim::Hold(target),
         };
-        let Circumstances { fan, filament, warmed_to, rests, .. } = *now;
+        let Circumstances { fan, filament, warmed_to, rests, other, .. } = *now;
         let is_too_hot = self.ailment == Some(Cause::TooHot);
         let (duty, most) = (self.wanted, self.most());
-        let watched = Watched { aim, measured, duty, most, power, fan, filament, warmed_to, rests, is_too_hot };
+        let is_tuned = self.has_own_model;
+        let watched =
+            Watched { aim, measured, duty, most, power, fan, filament, warmed_to, rests, is_too_hot, is_tuned, other };
         let Some(alarm) = self.guards.look(&self.settings, &watched) else { return Ok(()) };
         // Another cure: a better model does not help a heater that gives all it has.
         let cause =
@@ -313,8 +337,8 @@ impl HeaterLoop {
         ((u64::from(self.settings.max_duty.to_bits().min(1 << 16)) * 65_535) >> 16) as u16
     }
 
-    /// The duty for the next period.
-    fn decide(&mut self, measured: Celsius, now: &Circumstances, tune: Option<&mut Tune>) -> u16 {
+    /// The duty for the next period, by the reading and by the one that it would be without the dither.
+    fn decide(&mut self, measured: Celsius, calm: Celsius, now: &Circumstances, tune: Option<&mut Tune>) -> u16 {
         let most = self.most();
         // At full power the observer learns the gain instead of the drift, and at none neither: so it is not free.
         if self.is_pulsed && self.ailment.is_none() {
@@ -343,10 +367,10 @@ impl HeaterLoop {
             (Control::Model, Some(observer)) => {
                 duty(predictive::power(observer, self.target, now.ahead), self.power_at(u16::MAX)).min(most)
             }
-            _ => self.pid.duty(self.target, measured, most),
+            _ => self.pid.duty(self.target, calm, most),
         };
         self.is_free = wanted > 0 && wanted < most;
-        wanted
+        self.guards.dither(wanted, most, self.target.saturating_sub(measured))
     }
 
     fn put_out(&mut self, wanted: u16) -> u16 {

@@ -1,9 +1,10 @@
 //! The guards of one heater, and their inputs.
 
-use super::guard::{Alarm, AtTarget, Floor, Frozen, Gain, HeatBalance, Leak, MissingHeat, Numbers, Seen};
-use super::guard::{UnderWay, WhileOff};
+use super::guard::{Alarm, AtTarget, Floor, Frozen, Gain, HeatBalance, HeatSums, Leak, LowReading, MissingHeat};
+use super::guard::{Numbers, Seen, Subject, UnderWay, WhileOff};
 use crate::connectors::Heater;
 use crate::settings::HeaterSettings;
+use crate::status::HeatFigures;
 use crate::units::{Celsius, Power, Ratio};
 use fixed::types::I8F24;
 
@@ -46,6 +47,10 @@ pub struct Watched {
     pub is_too_hot: bool,
     /// It gets no power for now.
     pub rests: bool,
+    /// Its model is its own, not the one that any heater begins with.
+    pub is_tuned: bool,
+    /// How many times too low another heater reads, by its heat; 0 is not known.
+    pub other: u16,
 }
 
 /// The guards of one heater.
@@ -56,7 +61,9 @@ pub struct HeaterGuards {
     smooth: Option<Celsius>,
     gain: Gain,
     balance: HeatBalance,
+    sums: HeatSums,
     missing: MissingHeat,
+    low: LowReading,
     at_target: AtTarget,
     while_off: WhileOff,
     leak: Leak,
@@ -66,13 +73,16 @@ pub struct HeaterGuards {
 impl HeaterGuards {
     /// Guards without observations.
     pub fn new(heater: Heater, settings: &HeaterSettings) -> Self {
+        let floor = Floor::of(heater);
         Self {
-            floor: Floor::of(heater),
+            floor,
             under_way: UnderWay::new(),
             smooth: None,
             gain: Gain::new(),
-            balance: HeatBalance::new(settings),
+            balance: HeatBalance::new(settings, floor.is_quick),
+            sums: HeatSums::new(),
             missing: MissingHeat::new(),
+            low: LowReading::new(),
             at_target: AtTarget::new(),
             while_off: WhileOff::new(),
             leak: Leak::new(),
@@ -84,9 +94,10 @@ impl HeaterGuards {
     /// what was learned of another model does not.
     pub fn configure(&mut self, settings: &HeaterSettings) {
         let before = self.balance.numbers().of_heat();
-        self.balance.configure(settings);
+        self.balance.configure(settings, self.floor.is_quick);
         if self.balance.numbers().of_heat() != before {
             self.missing = MissingHeat::new();
+            self.low = LowReading::new();
         }
     }
 
@@ -94,7 +105,8 @@ impl HeaterGuards {
     pub fn end(&mut self) {
         self.smooth = None;
         (self.at_target, self.while_off, self.frozen) = (AtTarget::new(), WhileOff::new(), Frozen::new());
-        self.missing.end();
+        self.sums = HeatSums::new();
+        self.low.end();
         self.leak = Leak::new();
     }
 
@@ -121,6 +133,29 @@ impl HeaterGuards {
     /// Whether it warms so slowly that a wait for it is in vain.
     pub const fn is_slow(&self) -> bool {
         self.gain.is_slow()
+    }
+
+    /// The duty that a wanted duty becomes, at most `most`, for a reading that is so far below the target.
+    pub fn dither(&mut self, wanted: u16, most: u16, below: Celsius) -> u16 {
+        if !self.floor.has_dither {
+            return wanted;
+        }
+        self.low.dither().apply(self.balance.numbers(), self.floor.is_quick, wanted, most, below)
+    }
+
+    /// The power that the dither gave in the last period, and the answer that the reading has of it.
+    pub const fn told(&self) -> (Power, Celsius) {
+        self.low.told()
+    }
+
+    /// The baseline of its heat, as it was stored; zeros begin to learn it.
+    pub const fn know(&mut self, baseline: [u16; 2]) {
+        self.low.know(baseline);
+    }
+
+    /// What its heat has shown.
+    pub const fn figures(&self) -> HeatFigures {
+        self.low.figures()
     }
 
     /// Numbers that the guards derive from the settings, for their sum.
@@ -152,8 +187,15 @@ impl HeaterGuards {
         let given = if now.aim == Aim::Off { 0 } else { now.duty };
         let n = self.balance.numbers();
         let leaving = n.leaving(now.fan, now.filament);
-        let (missing, leak) = if self.floor.is_quick {
-            let missing = self.missing.look(n, hold.is_some(), &seen, now.power, leaving);
+        let is_quick = self.floor.is_quick;
+        let mut low = None;
+        if self.floor.has_dither {
+            self.sums.follow(n, is_quick, &seen, now.power, leaving);
+            let subject = Subject { is_quick, is_tuned: now.is_tuned, other: now.other };
+            low = self.low.look(n, subject, hold, &seen, &self.sums);
+        }
+        let (missing, leak) = if is_quick {
+            let missing = self.missing.look(n, hold.is_some(), &self.sums, now.power);
             (missing, self.leak.look(n, self.missing.shown(), &seen, leaving))
         } else {
             (None, None)
@@ -161,6 +203,7 @@ impl HeaterGuards {
         let found = [
             leak,
             missing,
+            low,
             self.while_off.look(settings.guards.off_rise, &seen),
             self.at_target.look(&settings.guards, self.floor, hold, &seen),
             self.frozen.look(self.floor, [hold, goal], &seen),

@@ -44,6 +44,7 @@ mod tune;
 
 pub use control::ThermalControl;
 pub use fixed_point::PERIOD_MS;
+pub use guard::{baseline_subject, hidden, is_alike};
 pub use order::{Common, Order, OrderQueue, Orders, OrdersIn};
 pub use refusal::refusal;
 pub use self_test::subject as test_subject;

@@ -36,6 +36,8 @@ pub enum Order {
     SelfTest,
     /// Other settings for a heater.
     Heater(Heater, HeaterSettings),
+    /// A heater's power and movement when it is healthy, with 8 fractional bits, as stored; zeros begin to learn them.
+    Baseline(Heater, [u16; 2]),
     /// Other settings for a fan.
     FanSettings(u8, FanSettings),
     /// All other settings, without heaters and fans.

@@ -112,6 +112,7 @@ fn set_model<P: PortSet, W: Wake>(
         ));
     }
     *main_loop.heat_settings() = wanted;
+    main_loop.heat.baselines().forget(heater);
     if command.has(b'E') {
         Answer::Nothing
     } else {

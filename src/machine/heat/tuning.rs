@@ -86,6 +86,7 @@ pub(in crate::machine) async fn tune<P: PortSet, W: Wake>(
     };
     if applies {
         apply(&tuned, main_loop.heat_settings().heater_mut(heater));
+        main_loop.heat.baselines().forget(heater);
     }
     main_loop.tell(|to, _| report_tuned(to, heater, &tuned));
     Ok(if applies {

@@ -4,9 +4,11 @@ use crate::connectors::Heater;
 use crate::machine::interrupt::Interrupt;
 use crate::machine::main_loop::MainLoop;
 use crate::machine::ports::PortSet;
+use crate::machine::reports::heat_report::{LowReading, Ratio8};
 use crate::port::Wake;
 use crate::settings::Settings;
-use crate::status::SelfTest;
+use crate::status::{HeatFigures, SelfTest};
+use crate::thermal::is_alike;
 use crate::units::Instant;
 
 impl<P: PortSet, W: Wake> MainLoop<'_, P, W> {
@@ -39,10 +41,33 @@ impl<P: PortSet, W: Wake> MainLoop<'_, P, W> {
         if let Some(fan) = self.heat.follow_still_fans() {
             self.hosts.notify_all(text!("echo:fan{fan} stands still: free it, or plug it in"));
         }
+        if let Some((heater, figures)) = self.heat.follow_low_readings() {
+            self.tell_low_reading(heater, figures);
+        }
         if self.settings.thermal.heater(Heater::Hotend).is_fitted {
             self.report_filament(now);
         }
         Ok(())
+    }
+
+    /// Tells that a heater takes more power and moves less than it did. If hotend and bed do so alike, the supply is
+    /// weak.
+    fn tell_low_reading(&mut self, heater: Heater, figures: HeatFigures) {
+        let heat = self.status.heat();
+        let others = [Heater::Hotend, Heater::Bed].into_iter().filter(|other| *other != heater);
+        let other = others.map(|other| heat.figures(other).low()).next().unwrap_or_default();
+        let (name, low) = (heater.name(), figures.low());
+        let measured = heat.measured(heater).unwrap_or_default();
+        if figures.is_far_off() {
+            let number = ["0", "-1"][usize::from(heater == Heater::Bed)];
+            self.hosts.notify_all(text!("echo:{name}: its model is far off, M303 E{number} U1 finds it"));
+        } else if is_alike(low, other) {
+            let times = Ratio8(low);
+            self.hosts.notify_all(text!("echo:hotend and bed take {times} times their power: measure the supply"));
+        } else {
+            let shown = LowReading { name, figures, measured };
+            self.hosts.notify_all(text!("echo:{shown}; see that sensor and heater sit firmly, and measure the supply"));
+        }
     }
 
     /// Switches heaters off that were not used for long enough, in every state of the Console. In a print they are

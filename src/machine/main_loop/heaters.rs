@@ -8,11 +8,12 @@
 
 use crate::connectors::{FANS, HEATERS, Heater};
 use crate::fault::{Cause, Fault};
+use crate::machine::state::baselines::Baselines;
 use crate::machine::state::fan_schedule::FanSchedule;
 use crate::machine::state::heat_orders::HeatOrders;
 use crate::machine::state::self_tests::SelfTests;
 use crate::settings::ThermalSettings;
-use crate::status::{Heat, SelfTest};
+use crate::status::{Heat, HeatFigures, SelfTest};
 use crate::thermal::{Orders, refusal, test_subject};
 use crate::units::{Celsius, Instant, TICKS_PER_SECOND, part_of};
 
@@ -32,6 +33,8 @@ pub(in crate::machine) struct Heaters<'m> {
     self_tests: SelfTests,
     /// Fans that stand still and were told, a bit each.
     still_fans: u8,
+    /// Whether it was told that hotend and bed read low, or that their models are far off.
+    are_low: [bool; 2],
     /// The refusal of each heater that was told last. A target that is accepted forgets it.
     told: [Option<Cause>; HEATERS],
     /// When heaters were last used.
@@ -50,6 +53,7 @@ impl<'m> Heaters<'m> {
             fans: FanSchedule::new(),
             self_tests: SelfTests::new(),
             still_fans: 0,
+            are_low: [false; 2],
             told: [None; HEATERS],
             used: now,
             due: now,
@@ -132,7 +136,7 @@ impl<'m> Heaters<'m> {
     }
 
     /// Whether all orders except fan speeds have left.
-    pub const fn are_orders_gone(&self) -> bool {
+    pub fn are_orders_gone(&self) -> bool {
         self.orders.is_empty()
     }
 
@@ -200,6 +204,26 @@ impl<'m> Heaters<'m> {
     /// The subject of a passed test.
     pub fn take_passed_test(&mut self) -> Option<u32> {
         self.self_tests.take_news()
+    }
+
+    /// The baselines of hotend and bed.
+    pub const fn baselines(&mut self) -> &mut Baselines {
+        self.orders.baselines()
+    }
+
+    /// A baseline that is to be stored, or erased: the heater, its model's sum, and the figures.
+    pub fn baseline_news(&self, thermal: &ThermalSettings) -> Option<(Heater, u32, [u16; 2])> {
+        self.orders.baseline_news(self.status, thermal)
+    }
+
+    /// A heater that has come to read low, or whose model is far off, once.
+    pub fn follow_low_readings(&mut self) -> Option<(Heater, HeatFigures)> {
+        [Heater::Hotend, Heater::Bed].into_iter().zip(&mut self.are_low).find_map(|(heater, told)| {
+            let figures = self.status.figures(heater);
+            let is_low = figures.is_low || figures.is_far_off();
+            let was_low = core::mem::replace(told, is_low);
+            (is_low && !was_low).then_some((heater, figures))
+        })
     }
 
     /// Settings of heaters or fans may have changed.

@@ -7,11 +7,12 @@ use crate::fault::Cause;
 use crate::machine::answers::reply_writer::ReplyWriter;
 use crate::machine::answers::words::Facts;
 use crate::machine::numbers::Hundredths;
-use crate::status::SelfTest;
-use crate::thermal::refusal;
+use crate::status::{HeatFigures, SelfTest};
 use crate::thermal::sensor::Reading;
+use crate::thermal::{hidden, refusal};
 use crate::units::Celsius;
 use core::fmt;
+use fixed::types::U8F8;
 
 /// The letters of heaters in reports.
 const LETTERS: [char; HEATERS] = ['T', 'B', 'C'];
@@ -82,6 +83,47 @@ pub(in crate::machine) fn report_temperatures(to: &mut ReplyWriter<'_>, facts: &
     to.say(text!("ok {temperatures}"));
 }
 
+/// A ratio with 8 fractional bits, with two decimals.
+pub(in crate::machine) struct Ratio8(pub u16);
+
+impl fmt::Display for Ratio8 {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", Hundredths::of(U8F8::from_bits(self.0)))
+    }
+}
+
+/// What a heater takes and moves, and the temperature that its block has if its sensor reads low.
+pub(in crate::machine) struct LowReading {
+    pub name: &'static str,
+    pub figures: HeatFigures,
+    pub measured: Celsius,
+}
+
+impl fmt::Display for LowReading {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { name, figures, measured } = self;
+        let (power, less) = (Ratio8(figures.power), Ratio8(figures.less));
+        put!(f, "{name} takes {power} times its power and moves {less} times less")?;
+        if figures.low() > ROUND {
+            let block = hidden(*measured, figures.low()).to_num::<i32>();
+            put!(f, ": about {block} C if its sensor sits loosely")?;
+        }
+        Ok(())
+    }
+}
+
+/// Below this ratio a sensor reads right: 1.1.
+const ROUND: u16 = 282;
+
+/// What a heater that held a target has shown of its heat, once that is known.
+fn report_figures(to: &mut ReplyWriter<'_>, name: &'static str, figures: HeatFigures, measured: Option<Celsius>) {
+    if figures.are_known() {
+        let shown = LowReading { name, figures, measured: measured.unwrap_or_default() };
+        let than = if figures.has_baseline { "when it was healthy" } else { "by its model" };
+        to.say(text!("echo:heater {shown}, than {than}"));
+    }
+}
+
 /// Part of M122: the fault, the heaters, the sensors.
 pub(in crate::machine) fn report_heat(to: &mut ReplyWriter<'_>, facts: &Facts<'_>) {
     let (settings, heat, fault_latch) = (facts.settings, facts.status.heat(), facts.status.fault());
@@ -100,6 +142,7 @@ pub(in crate::machine) fn report_heat(to: &mut ReplyWriter<'_>, facts: &Facts<'_
             }
             None => to.say(text!("echo:heater {name} has no reading, target {target} C, duty {duty} %")),
         }
+        report_figures(to, name, heat.figures(heater), heat.measured(heater));
         if let Some(fault) = refusal(heat, heater, thermal) {
             to.say(text!("echo:heating is refused, {fault}"));
         }

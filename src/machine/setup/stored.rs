@@ -2,6 +2,7 @@
 //! start.
 
 use super::mesh_news::News;
+use crate::connectors::Heater;
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::reply_writer::ReplyWriter;
 use crate::machine::apart::apart;
@@ -14,6 +15,7 @@ use crate::port::{BoardFacts, Storage, StorageError, Wake};
 use crate::settings::Settings;
 use crate::storage::{self, LONGEST, MeshFate, Receipt, Rejected, SaveError, Slot, Survey};
 use crate::text::Packed;
+use crate::thermal::baseline_subject;
 use crate::units::Mm;
 use core::fmt::{self, Display, Formatter};
 use core::pin::pin;
@@ -180,6 +182,14 @@ pub(in crate::machine) async fn load_at_start<P: PortSet, W: Wake>(
     let loads = storage::belt_loads(&mut paced).await;
     paced.into_result()?;
     main_loop.trimming.know_loads(loads.unwrap_or_default());
+    for heater in [Heater::Hotend, Heater::Bed] {
+        let subject = baseline_subject(main_loop.settings.thermal.heater(heater));
+        let mut paced = Paced::new(main_loop);
+        let figures = storage::baseline(&mut paced, heater as usize, subject).await;
+        paced.into_result()?;
+        // One that cannot be read is learned again.
+        main_loop.heat.baselines().know(heater, subject, figures.ok().flatten().unwrap_or_default());
+    }
     Ok(Some(Ok(Found::new(&survey))))
 }
 
@@ -191,6 +201,24 @@ pub(in crate::machine) async fn note_self_test<P: PortSet, W: Wake>(
     let mut paced = Paced::new(main_loop);
     let _ = storage::note_passed_test(&mut paced, tested).await;
     paced.into_result()
+}
+
+/// Stores a baseline of a heater that was learned, or erases one that was forgotten.
+pub(in crate::machine) async fn note_baseline<P: PortSet, W: Wake>(
+    main_loop: &mut MainLoop<'_, P, W>,
+) -> Result<(), Interrupt> {
+    let Some((heater, subject, figures)) = main_loop.heat.baseline_news(&main_loop.settings.thermal) else {
+        return Ok(());
+    };
+    let mut paced = Paced::new(main_loop);
+    let noted = storage::note_baseline(&mut paced, heater as usize, subject, figures).await;
+    paced.into_result()?;
+    match noted {
+        Ok(()) => main_loop.heat.baselines().know(heater, subject, figures),
+        // Without storage the model itself is the baseline.
+        Err(_) => main_loop.heat.baselines().give_up(heater),
+    }
+    Ok(())
 }
 
 /// Notes the load that a mm of strain takes of belt motors, if it is another one than noted.

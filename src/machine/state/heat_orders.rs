@@ -3,6 +3,7 @@
 //! Only the latest of each target, each fan's speed and the settings counts. So nothing here is ever full, and no
 //! command waits for the thermal context.
 
+use super::baselines::Baselines;
 use crate::connectors::{FANS, HEATERS, Heater};
 use crate::settings::{ThermalSettings, sum};
 use crate::status::Heat;
@@ -61,6 +62,7 @@ pub(in crate::machine) struct HeatOrders {
     are_motors_on: bool,
     told: Told,
     has_news: bool,
+    baselines: Baselines,
 }
 
 impl HeatOrders {
@@ -78,7 +80,18 @@ impl HeatOrders {
             are_motors_on: false,
             told: Told::new(settings),
             has_news: false,
+            baselines: Baselines::new(),
         }
+    }
+
+    /// The baselines of heaters, which leave as orders.
+    pub const fn baselines(&mut self) -> &mut Baselines {
+        &mut self.baselines
+    }
+
+    /// What is to be stored of them, once the thermal context has the latest settings.
+    pub fn baseline_news(&self, heat: &Heat, settings: &ThermalSettings) -> Option<(Heater, u32, [u16; 2])> {
+        if self.has_news { None } else { self.baselines.news(heat, settings) }
     }
 
     /// Sets the target of a heater; 0 is off.
@@ -145,11 +158,15 @@ impl HeatOrders {
     }
 
     /// Whether everything has left.
-    pub const fn is_empty(&self) -> bool {
+    pub fn is_empty(&self) -> bool {
         let is_silent =
             !self.is_test_waiting && self.tuning.is_none() && self.motors.is_none() && !self.is_off && !self.has_news;
         let [a, b, c] = self.targets;
-        is_silent && !matches!(a, Target::Waits(_)) && !matches!(b, Target::Waits(_)) && !matches!(c, Target::Waits(_))
+        is_silent
+            && self.baselines.is_empty()
+            && !matches!(a, Target::Waits(_))
+            && !matches!(b, Target::Waits(_))
+            && !matches!(c, Target::Waits(_))
     }
 
     /// The next order, which leaves in that control period. There is room for it. A self-test, and all orders after it,
@@ -164,6 +181,9 @@ impl HeatOrders {
             return Some(Order::Off);
         }
         if let Some(order) = self.next_settings(settings) {
+            return Some(order);
+        }
+        if let Some(order) = self.baselines.next(settings) {
             return Some(order);
         }
         if core::mem::take(&mut self.is_test_over) {
@@ -203,6 +223,7 @@ impl HeatOrders {
         for heater in Heater::ALL {
             let wanted = settings.heater(heater);
             if is_news(&mut self.told.heaters[heater as usize], sum(wanted)) {
+                self.baselines.follow_settings(heater);
                 return Some(Order::Heater(heater, *wanted));
             }
         }

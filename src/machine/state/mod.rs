@@ -18,7 +18,7 @@
 //! | the mesh of the bed, the area that a print needs | [`known_bed`] |
 //! | whether the screws of z are level | [`level`] |
 //! | a line that is held without `ok` | [`held_line`] |
-//! | queued orders for heaters and fans | [`heat_orders`], [`fan_schedule`], [`self_tests`] |
+//! | queued orders for heaters and fans | [`heat_orders`], [`fan_schedule`], [`self_tests`], [`baselines`] |
 //! | the Z probe | [`probing`] |
 //! | a machine record in transfer | [`machine_pieces`] |
 //! | the pressure advance that the motion follows | [`advance_in_use`] |
@@ -38,6 +38,7 @@
 //! | farthest | 10 m from zero, beyond which no target is computed |
 
 pub(in crate::machine) mod advance_in_use;
+pub(in crate::machine) mod baselines;
 pub(in crate::machine) mod circulation;
 pub(in crate::machine) mod clamps;
 pub(in crate::machine) mod cold_extrusion;

@@ -89,6 +89,8 @@ pub struct Floor {
     pub overshoot: Celsius,
     /// Whether its heat shows within seconds: only a hotend's does.
     pub is_quick: bool,
+    /// Whether its power has a dither: a chamber's door changes more than that would.
+    pub has_dither: bool,
 }
 
 impl Floor {
@@ -108,6 +110,7 @@ impl Floor {
             settling: [periods(1), periods(30)],
             overshoot: Celsius::const_from_int(15),
             is_quick: true,
+            has_dither: true,
         };
         /// A mat under a thick plate lags by 10 to 60 s.
         const BED: Floor = Floor {
@@ -122,6 +125,7 @@ impl Floor {
             settling: [periods(10), periods(300)],
             overshoot: Celsius::const_from_int(15),
             is_quick: false,
+            has_dither: true,
         };
         /// Air, and walls that warm behind it.
         const CHAMBER: Floor = Floor {
@@ -137,6 +141,7 @@ impl Floor {
             settling: [periods(20), periods(600)],
             overshoot: Celsius::const_from_int(15),
             is_quick: false,
+            has_dither: false,
         };
         match heater {
             Heater::Hotend => &HOTEND,

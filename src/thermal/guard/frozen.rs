@@ -100,12 +100,12 @@ impl Frozen {
         // Where it is held, the power falls while it settles, and the reading may stay: only more power must show.
         let from = if is_held { mean } else { self.duties[1] };
         let change = from.saturating_sub(self.duties[0]);
-        let is_heated = mean > u16::MAX / 2
-            && if is_held {
-                change > CHANGE / 2 && !floor.holds_still
-            } else {
-                self.must_move || is_low(measured, goal)
-            };
+        let is_heated = if is_held {
+            // Less than half: the dither lowers it.
+            mean > u16::MAX / 5 * 2 && change > CHANGE / 2 && !floor.holds_still
+        } else {
+            mean > u16::MAX / 2 && (self.must_move || is_low(measured, goal))
+        };
         let has_changed = change > CHANGE || is_heated;
         // A constant reading before the power changed means nothing: a cold bed may read the same for hours.
         self.still = if has_changed { self.still.saturating_add(1) } else { 0 };

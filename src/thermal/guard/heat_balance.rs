@@ -7,7 +7,7 @@
 use super::{Alarm, Episode, Seen, periods, periods_of_lags};
 use crate::fault::Cause;
 use crate::settings::{HeaterModel, HeaterSettings};
-use crate::thermal::fixed_point::{RATE, driven, part_per_period, saturated, times};
+use crate::thermal::fixed_point::{RATE, driven, duty, part_per_period, saturated, times};
 use crate::thermal::room::COLDEST_ROOM;
 use crate::units::{Celsius, JoulesPerKelvin, Power, Ratio};
 use fixed::types::{I0F32, I8F24};
@@ -48,10 +48,16 @@ pub struct Numbers {
     length: u32,
     /// Fraction of the heat that arrives in a period.
     pub(super) arrival: I0F32,
+    /// The same from the heater to the block, and from there to the sensor.
+    pub(super) element: I0F32,
+    pub(super) sensor: I0F32,
     /// K in a period for each W.
     pub(super) warming: I0F32,
     /// The heater's power at its greatest permitted duty.
     pub(super) most: Power,
+    /// The power of the dither, and its duty.
+    pub(super) dither: Power,
+    pub(super) dither_duty: u16,
 }
 
 /// The observations of this balance.
@@ -69,15 +75,22 @@ struct Balance {
 }
 
 impl Numbers {
-    fn new(settings: &HeaterSettings) -> Self {
-        let HeaterModel { capacity, loss, fan_loss, .. } = settings.model;
+    fn new(settings: &HeaterSettings, is_quick: bool) -> Self {
+        let HeaterModel { capacity, loss, fan_loss, heater_lag, sensor_lag, ptc: _ } = settings.model;
         let [loss, fan_loss] = [loss, fan_loss].map(|loss| I8F24::from_bits(saturated(loss.to_bits().into())));
         let length = periods(LEAST_S).max(periods_of_lags(LAGS, &settings.model));
         let arrival = part_per_period(settings.model.lag());
         let joules = i64::from(capacity.to_bits()).max(1 << 14) * i64::from(RATE);
         let warming = I0F32::from_bits(saturated((1 << 48) / joules));
         let most = settings.power.part(settings.max_duty.min(Ratio::ONE));
-        Self { least: settings.guards.heating, capacity, loss, fan_loss, length, arrival, warming, most }
+        let [element, sensor] = [heater_lag, sensor_lag].map(part_per_period);
+        // A K in so many seconds. Of 16 fractional bits, 20. A heater that is weak for its capacity gets less.
+        let full = settings.power.part(Ratio::ONE);
+        let heat_s = if is_quick { 16 } else { 160 };
+        let dither = Power::from_bits(saturated((i64::from(capacity.to_bits()) << 4) / heat_s)).min(full / 16);
+        let dither_duty = duty(dither, full);
+        let least = settings.guards.heating;
+        Self { least, capacity, loss, fan_loss, length, arrival, element, sensor, warming, most, dither, dither_duty }
     }
 
     /// Heat that leaves the mass for each K: to the room, to the part fan's air, and to the filament.
@@ -101,15 +114,15 @@ impl Numbers {
 }
 
 impl HeatBalance {
-    /// The guard of a heater.
+    /// The guard of a heater whose heat shows within seconds, or does not.
     #[must_use]
-    pub fn new(settings: &HeaterSettings) -> Self {
-        Self { numbers: Numbers::new(settings), balance: Episode::none() }
+    pub fn new(settings: &HeaterSettings, is_quick: bool) -> Self {
+        Self { numbers: Numbers::new(settings, is_quick), balance: Episode::none() }
     }
 
     /// Sets other thresholds; the balance continues.
-    pub fn configure(&mut self, settings: &HeaterSettings) {
-        self.numbers = Numbers::new(settings);
+    pub fn configure(&mut self, settings: &HeaterSettings, is_quick: bool) {
+        self.numbers = Numbers::new(settings, is_quick);
     }
 
     /// The numbers from the settings.
@@ -184,7 +197,7 @@ mod tests {
         settings.model.capacity = JoulesPerKelvin::from_num(13.4);
         settings.model.loss = WattsPerKelvin::from_num(0.0968);
         (settings.model.heater_lag, settings.model.sensor_lag) = (Seconds::from_num(0.95), Seconds::from_num(1.65));
-        let mut guard = HeatBalance::new(&settings);
+        let mut guard = HeatBalance::new(&settings, true);
         let (mut block, mut reading, mut arriving) = (36.2_f64, 36.8_f64, 0.0_f64);
         for n in 0..3000 {
             // 0.05 W/K of its losses go to the bed.

@@ -100,7 +100,7 @@ mod tests {
     /// multiple of the model's, its losses another.
     fn run(mass: f64, loss: f64, leak: f64, room: f64, warmed_to: i32) -> Option<u32> {
         let settings = HeaterSettings::hotend(Output::He0, Sensor::Hotend0);
-        let numbers = *HeatBalance::new(&settings).numbers();
+        let numbers = *HeatBalance::new(&settings, true).numbers();
         let leaving = numbers.leaving(Ratio::ZERO, I8F24::ZERO);
         let (mut guard, mut celsius) = (Leak::new(), 215.0);
         let shown = Some(I16F16::from_num(1.0 / mass));

@@ -1,8 +1,7 @@
 //! Heat that arrives in a hotend's block shows within seconds. If much of it is suddenly missing, the sensor has left
 //! its hole, the cartridge has, or the power is gone. This takes seconds, where the floor and the balance need 20.
 //!
-//! Two sums forget within 3 s: the rise that the arriving power makes by the model, and the rise that is found (in the
-//! reading, and in the model's losses).
+//! It compares the two sums of heat ([`HeatSums`]), which forget within 3 s.
 //!
 //! ```text
 //!   given  ______/~~~~~~~~~~~~     while it heats, the part that shows is learned: `shown`
@@ -15,17 +14,16 @@
 //!
 //! Of a model under which more heat shows than was given, by three quarters, nothing is believed.
 
+use super::Alarm;
 use super::heat_balance::Numbers;
-use super::{Alarm, Seen, periods};
+use super::heat_sums::HeatSums;
 use crate::fault::Cause;
-use crate::thermal::fixed_point::{driven, rise, times};
-use crate::thermal::room::ROOM;
+use crate::thermal::fixed_point::{rise, times};
 use crate::units::{Celsius, Power};
-use fixed::types::{I8F24, I16F16};
+use fixed::types::I16F16;
 
-/// Time within which a sum is forgotten, in s and in periods.
-const MEMORY_S: u32 = 3;
-const MEMORY: i32 = periods(MEMORY_S).cast_signed();
+/// Time within which a sum is forgotten, in periods.
+const MEMORY: i32 = HeatSums::memory(true);
 
 /// So much of what has shown may be missing of full power: a supply that falls by 30 % and a draught of 1.6 times the
 /// losses, both at once, take half of 40 W.
@@ -46,13 +44,6 @@ const FAINT: I16F16 = I16F16::lit("0.25");
 /// The guard of a hotend's heat.
 #[derive(Clone, Copy, Debug)]
 pub struct MissingHeat {
-    /// The reading of the period before, if there was one.
-    before: Option<Celsius>,
-    /// The power that arrives.
-    arriving: Power,
-    /// Both sums.
-    given: Celsius,
-    found: Celsius,
     /// The greatest part of the given heat that has shown.
     shown: I16F16,
 }
@@ -67,12 +58,7 @@ impl MissingHeat {
     /// Nothing seen yet.
     #[must_use]
     pub const fn new() -> Self {
-        Self { before: None, arriving: Power::ZERO, given: Celsius::ZERO, found: Celsius::ZERO, shown: I16F16::ZERO }
-    }
-
-    /// There is no reading: the sums begin again. What has shown still counts.
-    pub const fn end(&mut self) {
-        *self = Self { shown: self.shown, ..Self::new() };
+        Self { shown: I16F16::ZERO }
     }
 
     /// The part of the given heat that has shown since the start, if the heater has heated and its model is no
@@ -81,29 +67,23 @@ impl MissingHeat {
         (self.shown >= FAINT && self.shown <= NONSENSE).then_some(self.shown)
     }
 
-    /// Follows a control period: whether the heater holds a target, the readings, the given power, and the heat that
-    /// leaves for each K.
-    pub fn look(&mut self, n: &Numbers, holds: bool, seen: &Seen, power: Power, leaving: I8F24) -> Option<Alarm> {
-        let before = self.before.replace(seen.smooth).unwrap_or(seen.smooth);
-        self.arriving = self.arriving.saturating_add(times(power.saturating_sub(self.arriving), n.arrival));
-        let lost = rise(driven(seen.smooth.saturating_sub(ROOM), leaving), n.warming);
-        let gained = seen.smooth.saturating_sub(before).saturating_add(lost);
-        self.given = self.given.saturating_add(rise(self.arriving, n.warming)).saturating_sub(self.given / MEMORY);
-        self.found = self.found.saturating_add(gained).saturating_sub(self.found / MEMORY);
+    /// Follows a control period: whether the heater holds a target, both sums of heat, and the given power.
+    pub fn look(&mut self, n: &Numbers, holds: bool, sums: &HeatSums, power: Power) -> Option<Alarm> {
         // Only at more than half of its power: what is missing of less is smaller than the model's error.
         if !holds || power < n.most / 2 {
             return None;
         }
+        let found = sums.found();
         let full = rise(n.most, n.warming).saturating_mul_int(MEMORY);
-        if self.found > times(self.given, NONSENSE).saturating_add((full / 4).max(LEAST)) {
+        if found > times(sums.given, NONSENSE).saturating_add((full / 4).max(LEAST)) {
             self.shown = I16F16::MAX;
-        } else if self.given > full / 2 && self.found > times(self.given, self.shown) {
+        } else if sums.given > full / 2 && found > times(sums.given, self.shown) {
             self.shown = self.shown.saturating_add(STEP);
         }
         let shown = self.shown()?.min(I16F16::ONE);
-        let expected = times(self.given, shown);
+        let expected = times(sums.given, shown);
         let limit = expected.saturating_sub(times(full, shown * MOST).max(LEAST));
-        (self.found < limit).then_some(Alarm { cause: Cause::HeatMissing, value: self.found, limit })
+        (found < limit).then_some(Alarm { cause: Cause::HeatMissing, value: found, limit })
     }
 }
 
@@ -112,13 +92,15 @@ mod tests {
     use super::*;
     use crate::connectors::{Output, Sensor};
     use crate::settings::HeaterSettings;
-    use crate::thermal::guard::HeatBalance;
+    use crate::thermal::guard::{HeatBalance, Seen};
     use crate::units::Ratio;
+    use fixed::types::I8F24;
 
     /// A block behind one lag, with a share of the model's mass, heated to 215 C and held there by the power that this
     /// takes.
     struct Block {
         guard: MissingHeat,
+        sums: HeatSums,
         numbers: Numbers,
         mass: f64,
         arriving: f64,
@@ -133,10 +115,11 @@ mod tests {
     impl Block {
         fn new(mass: f64) -> Self {
             let settings = HeaterSettings::hotend(Output::He0, Sensor::Hotend0);
-            let numbers = *HeatBalance::new(&settings).numbers();
+            let numbers = *HeatBalance::new(&settings, true).numbers();
             let at = 25.0;
             Self {
                 guard: MissingHeat::new(),
+                sums: HeatSums::new(),
                 numbers,
                 mass,
                 arriving: 0.0,
@@ -159,7 +142,9 @@ mod tests {
                 self.smooth += (self.reading - self.smooth) / 16.0;
                 let [measured, smooth] = [self.reading, self.smooth].map(Celsius::from_num);
                 let seen = Seen { smooth, duty: 1, ..Seen::quiet(measured) };
-                let found = self.guard.look(&self.numbers, true, &seen, Power::from_num(watt), leaving);
+                let power = Power::from_num(watt);
+                self.sums.follow(&self.numbers, true, &seen, power, leaving);
+                let found = self.guard.look(&self.numbers, true, &self.sums, power);
                 found.map(|_| f64::from(n) / 50.0)
             })
         }

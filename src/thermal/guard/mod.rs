@@ -13,6 +13,7 @@
 //! | [`Swapped`] | sensors or heaters that are swapped | while one of them heats |
 //! | [`FanTurns`] | a driven fan that does not turn | its connector has a tachometer; none yet (`fan_turns`) |
 //! | [`Reference`] | a converter with a wrong reference or order of channels | always |
+//! | [`LowReading`] | a sensor that reads low, a heater of less power; a bed's is only told | it holds a target |
 //! | [`Cold`] | a sensor of another kind than set; only refuses to heat | both are cold |
 //!
 //! A guard is fed once in a control period and returns a cause and two numbers, or nothing. Guards do not read the
@@ -29,7 +30,8 @@
 //! | [`Frozen`] | a reading | a reading that moves; a sensor that is broken while off |
 //! | [`Gain`] | power | a gain of 2 C; power that is off for four times as long |
 //! | [`HeatBalance`] | power | the arrival of all heat; something cold; M303 and self-test, which ignore the model |
-//! | [`MissingHeat`] | a reading | no reading; what a heating has shown counts until another model comes |
+//! | [`MissingHeat`] | a reading | never; what a heating has shown counts until another model comes |
+//! | [`LowReading`] | a target | another target, off, M303, a self-test, a fault, no reading; its baseline stays |
 //! | [`AtTarget`] | a target | another target, off, M303, a self-test, a fault |
 //! | [`WhileOff`], [`Leak`] | the arrival of all heat | power |
 //! | [`Swapped`] | power from the cold, or alone | less than half of the power |
@@ -52,30 +54,41 @@
 //! - a test in `tests/faults`, and a row in both tables of docs/explanation/safety.md.
 
 mod at_target;
+mod baseline;
 mod cold;
+mod dither;
 mod episode;
 mod fan_turns;
 mod floor;
 mod frozen;
 mod heat_balance;
+mod heat_sums;
+mod held_power;
 mod leak;
+mod low_reading;
 mod missing_heat;
 mod reference;
+mod response;
 mod swapped;
 mod under_way;
 mod while_off;
 mod window;
 
 pub use at_target::AtTarget;
+pub use baseline::{baseline_subject, has_own_model};
 pub use cold::Cold;
+pub use dither::Dither;
 pub use episode::Episode;
 pub use fan_turns::{FanTurns, turns_a_minute};
 pub use floor::{Floor, Gain};
 pub use frozen::Frozen;
 pub use heat_balance::{HeatBalance, Numbers};
+pub use heat_sums::HeatSums;
 pub use leak::Leak;
+pub use low_reading::{LowReading, Subject, hidden, is_alike};
 pub use missing_heat::MissingHeat;
 pub use reference::Reference;
+pub use response::Response;
 pub use swapped::Swapped;
 pub use under_way::UnderWay;
 pub use while_off::WhileOff;

@@ -34,7 +34,7 @@ pub fn print<M: Machine>(machine: &mut M, dice: &mut Dice, seconds: f64, most_fl
 }
 
 /// A print of about an hour with everything that a healthy machine meets, and its rest. Returns its hours.
-fn hour<M: Machine>(machine: &mut M, dice: &mut Dice, room: f64) -> f64 {
+fn hour<M: Machine>(machine: &mut M, dice: &mut Dice, room: f64, told: &mut [(bool, u32); 2]) -> f64 {
     let target = dice.within(200.0, 240.0).round();
     let mut seconds = 0.0;
     machine.set(Heater::Bed, dice.pick(&[0.0, 60.0, 60.0, 90.0]));
@@ -66,6 +66,12 @@ fn hour<M: Machine>(machine: &mut M, dice: &mut Dice, room: f64) -> f64 {
         }
         print(machine, dice, 60.0, 12.0);
         seconds += 60.0;
+        machine.learn();
+        for (heater, told) in [Heater::Hotend, Heater::Bed].into_iter().zip(told.iter_mut()) {
+            let is_low = machine.status().heat().figures(heater).is_low;
+            told.1 += u32::from(is_low && !told.0);
+            told.0 = is_low;
+        }
     }
     if machine.fault().is_none() {
         machine.order(Order::Off);
@@ -78,26 +84,37 @@ fn hour<M: Machine>(machine: &mut M, dice: &mut Dice, room: f64) -> f64 {
 /// A fault of a healthy machine, and its story.
 pub type Alarm = (Cause, String);
 
-/// A healthy machine for some hours: the hours, and its alarm.
-fn life<M: Machine>(plant: &str, seed: u64, hours: f64) -> (f64, Option<Alarm>) {
+/// What healthy machines lived.
+#[derive(Default)]
+pub struct Lived {
+    pub hours: f64,
+    pub alarms: Vec<Alarm>,
+    /// Messages that a hotend, and a bed, reads low.
+    pub told: [u32; 2],
+}
+
+/// A healthy machine for some hours.
+fn life<M: Machine>(plant: &str, seed: u64, hours: f64) -> Lived {
     let spec = Spec::of(seed);
     // A model that is right, off by a tenth, off by a quarter.
     let off = [0.0, 0.1, 0.25][(seed % 3) as usize];
     let mut machine = M::new(&spec, spec.settings(off));
     let mut dice = Dice::new(seed ^ 0x1234);
-    let mut lived = 0.0;
-    while lived < hours {
-        lived += hour(&mut machine, &mut dice, spec.room);
+    let (mut lived, mut told) = (Lived::default(), [(false, 0); 2]);
+    while lived.hours < hours && lived.alarms.is_empty() {
+        lived.hours += hour(&mut machine, &mut dice, spec.room, &mut told);
         if let Some(fault) = machine.fault() {
-            let told = format!("{plant}, seed {seed}, model off by {off}, after {lived:.1} h: {fault} ({spec:?})");
-            return (lived, Some((fault.cause, told)));
+            let hours = lived.hours;
+            let story = format!("{plant}, seed {seed}, model off by {off}, after {hours:.1} h: {fault} ({spec:?})");
+            lived.alarms.push((fault.cause, story));
         }
     }
-    (lived, None)
+    lived.told = told.map(|(_, times)| times);
+    lived
 }
 
-/// Hours on each plant, five to a machine at most: the hours lived, and the alarms.
-pub fn healthy(hours: u32) -> (f64, Vec<Alarm>) {
+/// Hours on each plant, five to a machine at most.
+pub fn healthy(hours: u32) -> Lived {
     let machines = u64::from(hours.div_ceil(5)).max(2);
     let each = f64::from(hours) / machines as f64;
     let first = 100;
@@ -117,5 +134,29 @@ pub fn healthy(hours: u32) -> (f64, Vec<Alarm>) {
             .collect();
         all.into_iter().flat_map(|lives| lives.join().unwrap()).collect()
     });
-    (ends.iter().map(|(lived, _)| lived).sum(), ends.into_iter().filter_map(|(_, alarm)| alarm).collect())
+    ends.into_iter().fold(Lived::default(), |mut all, one| {
+        all.hours += one.hours;
+        all.alarms.extend(one.alarms);
+        all.told = [all.told[0] + one.told[0], all.told[1] + one.told[1]];
+        all
+    })
+}
+
+/// The greatest rate in 1,000 hours that so many events in these hours leave possible (95 %, one-sided, Poisson).
+pub fn most_in_1000_hours(events: u32, hours: f64) -> f64 {
+    let chance = |mean: f64| {
+        let mut term = (-mean).exp();
+        let mut sum = term;
+        for n in 1..=events {
+            term *= mean / f64::from(n);
+            sum += term;
+        }
+        sum
+    };
+    let (mut least, mut most) = (0.0, 1000.0);
+    for _ in 0..60 {
+        let mean = f64::midpoint(least, most);
+        if chance(mean) > 0.05 { least = mean } else { most = mean }
+    }
+    most / hours * 1000.0
 }

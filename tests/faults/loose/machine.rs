@@ -55,6 +55,9 @@ pub struct Spec {
     pub room: f64,
     /// LSB of one conversion of 12 bits.
     pub noise: f64,
+    /// The bed's heat capacity and losses, of those of its model.
+    pub bed_mass: f64,
+    pub bed_loss: f64,
     pub seed: u64,
 }
 
@@ -85,6 +88,10 @@ pub enum Breaks {
     Leak(f64),
     /// This part of the power is left.
     Power(f64),
+    /// The same of the bed.
+    BedPower(f64),
+    /// The bed's sensor comes off: in the end it shows a share of the rise above the room.
+    BedSensorLeaves { share: f64, seconds: f64 },
 }
 
 impl Spec {
@@ -102,6 +109,8 @@ impl Spec {
             sensor_lag: dice.within(0.8, 2.0),
             room: dice.within(12.0, 32.0),
             noise: dice.within(0.3, 3.0),
+            bed_mass: dice.within(0.85, 1.2),
+            bed_loss: dice.within(0.7, 1.3),
             seed,
         }
     }
@@ -152,6 +161,16 @@ pub trait Machine {
         self.order(Order::Target(heater, Celsius::from_num(celsius)));
     }
 
+    /// Stores and tells what heaters have learned of themselves, as the Console does.
+    fn learn(&mut self) {
+        for heater in [Heater::Hotend, Heater::Bed] {
+            let figures = self.status().heat().figures(heater);
+            if figures.has_learned() {
+                self.order(Order::Baseline(heater, figures.learned));
+            }
+        }
+    }
+
     fn reading(&self) -> f64 {
         self.status().heat().measured(Heater::Hotend).map_or(f64::NAN, |celsius| celsius.to_num())
     }
@@ -183,6 +202,8 @@ impl Machine for Simulated {
         h.block_to_air_rise_watt_per_kelvin_sq = 0.15 * spec.loss / 190.0;
         h.part_fan_watt_per_kelvin = spec.fan_loss;
         h.sensor.lag_seconds = spec.sensor_lag;
+        plant.bed.plate_joule_per_kelvin *= spec.bed_mass;
+        plant.bed.plate_to_air_watt_per_kelvin *= spec.bed_loss;
         (plant.ambient_celsius, plant.converter.noise_lsb, plant.converter.seed) = (spec.room, spec.noise, spec.seed);
         Self(Printer::with(Plant::new(&plant), settings))
     }
@@ -211,6 +232,8 @@ impl Machine for Simulated {
             Breaks::CartridgeOut => faults.hotend_heater.contact = 0.05 / 1.5,
             Breaks::Leak(part) => faults.hotend_heater.leaks = part,
             Breaks::Power(part) => faults.hotend_heater.power = part,
+            Breaks::BedPower(part) => faults.bed_heater.power = part,
+            Breaks::BedSensorLeaves { share, seconds } => faults.bed_sensor = SensorFault::Leaves { share, seconds },
         }
     }
 

@@ -98,6 +98,7 @@ impl Other {
         match self.breaks {
             Some((Breaks::Leak(part), _)) => hotend = hotend.max(part),
             Some((Breaks::Power(part), _)) => hotend *= part,
+            Some((Breaks::BedPower(part), _)) => bed *= part,
             _ => {}
         }
         if !self.is_supplied {
@@ -117,7 +118,8 @@ impl Other {
             let above = plate - self.outside.room;
             let up = 45.0 * (mat - plate);
             self.bed[0] += (500.0 * bed - up) / 220.0 * PART;
-            self.bed[1] += (up - 1.4 * above.abs().powf(1.2) * above.signum()) / 1480.0 * PART;
+            let air = 1.4 * self.spec.bed_loss;
+            self.bed[1] += (up - air * above.abs().powf(1.2) * above.signum()) / (1480.0 * self.spec.bed_mass) * PART;
         }
     }
 
@@ -180,6 +182,12 @@ impl ThermalPort for OtherPort {
                 Some(plant.convert(semitec(bead) + series))
             }
             Sensor::Bed => {
+                let plate = match plant.breaks {
+                    Some((Breaks::BedSensorLeaves { share, seconds }, since)) => {
+                        plate - (1.0 - share) * (since / seconds).min(1.0) * (plate - plant.outside.room)
+                    }
+                    _ => plate,
+                };
                 let ohm = 100_000.0 * (3950.0 * (1.0 / (plate + 273.15) - 1.0 / 298.15)).exp();
                 Some(plant.convert(ohm))
             }
