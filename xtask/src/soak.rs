@@ -60,7 +60,13 @@ pub fn main(args: &Args) -> Result<()> {
     for part in parts {
         match part {
             Part::Heat => {
-                run(test("corehbot", "core_tests", &["faults::quiet", "f10", "loose::healthy"], "HOURS", args.hours))?;
+                run(test(
+                    "corehbot",
+                    "core_tests",
+                    &["faults::quiet", "f10", "loose::healthy", "loose::low"],
+                    "HOURS",
+                    args.hours,
+                ))?;
                 run(test("corehbot-sim", "simulator", &["heat_lives::"], "HOURS", args.life_hours))?;
             }
             Part::Motion => run(test("corehbot-sim", "simulator", &["soak::"], "HOURS", args.motion_hours))?,
