@@ -286,7 +286,7 @@ fn a_weak_supply_is_told_and_delays_no_stop_of_a_hot_block() {
         print(&mut machine, &mut dice, 900.0, 2.0);
         // Slowly, as a bed is: in hours.
         for n in 1..=10 {
-            machine.outside(Outside { room, supply: 1.0 - 0.038 * f64::from(n), ..Outside::USUAL });
+            machine.outside(Outside { room, supply: 1.0 - 0.04 * f64::from(n), ..Outside::USUAL });
             print(&mut machine, &mut dice, 1200.0, 2.0);
         }
         print(&mut machine, &mut dice, 1800.0, 2.0);
