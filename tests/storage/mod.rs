@@ -285,6 +285,30 @@ proptest! {
     }
 }
 
+/// A baseline counts for the model with its sum alone, and one that is cut while it is stored is the old one or none.
+#[test]
+fn a_baseline_is_of_its_model_and_a_cut_one_is_the_old_one_or_none() {
+    let mut eeprom = Eeprom::blank();
+    let read = |eeprom: &mut Eeprom, heater, subject| now(storage::baseline(eeprom, heater, subject)).unwrap();
+    assert_eq!(read(&mut eeprom, 0, 7), None);
+    now(storage::note_baseline(&mut eeprom, 0, 7, [250, 260])).unwrap();
+    now(storage::note_baseline(&mut eeprom, 1, 7, [300, 310])).unwrap();
+    assert_eq!([read(&mut eeprom, 0, 7), read(&mut eeprom, 0, 8)], [Some([250, 260]), None]);
+    for left in 0..8 {
+        for torn in TORN {
+            let mut copy = eeprom.clone();
+            let mut cut = Cut { eeprom: &mut copy, left, torn, whole_page: false, is_dead: false };
+            now(storage::note_baseline(&mut cut, 0, 9, [200, 210])).unwrap_err();
+            assert!([None, Some([250, 260])].contains(&read(&mut copy, 0, 7)), "{left}");
+            assert!([None, Some([200, 210])].contains(&read(&mut copy, 0, 9)), "{left}");
+            assert_eq!(read(&mut copy, 1, 7), Some([300, 310]), "{left}");
+        }
+    }
+    // Erased by M303 or M306.
+    now(storage::note_baseline(&mut eeprom, 0, 0, [0; 2])).unwrap();
+    assert_eq!([read(&mut eeprom, 0, 7), read(&mut eeprom, 0, 0)], [None; 2]);
+}
+
 #[test]
 fn a_cut_note_of_a_self_test_is_the_old_one_or_none_and_never_costs_settings() {
     let mut before = Eeprom::blank();
