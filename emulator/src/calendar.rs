@@ -4,7 +4,7 @@
 //! |---|---|
 //! | keys 0xCA and 0x53 before anything else is written, any other key locks again | 22.3.5, RTC_WPR |
 //! | PRER only in the initialization mode, which begins two cycles after INIT | 22.3.5, RTC_ISR |
-//! | the counter goes down from PREDIV_S to 0 at RTCCLK over PREDIV_A + 1, and is read without shadow | RTC_SSR, RTC_CR |
+//! | the counter goes down from PREDIV_S to 0 at RTCCLK over PREDIV_A + 1, and is read without shadow | RTC_SSR |
 //!
 //! A reset of the chip leaves all of it alone; one of the backup domain resets it.
 

@@ -4,7 +4,8 @@
 //! window ([`UsbPort`]), and the decoder leads to it ([`crate::decoder`]). The crate's own slot only hears its reset
 //! line.
 //!
-//! The calendar counts ([`calendar`](crate::calendar)). TIM6, TIM7, TIM9 and TIM12 have models of their own ([`small_timers`](crate::small_timers)).
+//! The calendar counts ([`calendar`](crate::calendar)). TIM6, TIM7, TIM9 and TIM12 have models of their own
+//! ([`small_timers`](crate::small_timers)).
 //!
 //! The crate has no EXTI model, and its table does not connect EXTI with the interrupt of the supply's detector. Here
 //! EXTI keeps the written value, and never has a pending interrupt. A test that lets the supply fall checks that the

@@ -1,4 +1,4 @@
-//! The processor's clock against the slow oscillator: who of both is off does not matter, so the slow one is moved here.
+//! The processor's clock against the slow oscillator. Only the difference shows, so the slow one is moved here.
 
 use crate::common::{Bench, MS, firmware, heated_bench, print_on};
 use corehbot_emulator::heat_pins::Climate;

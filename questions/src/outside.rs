@@ -1,9 +1,9 @@
 //! Outside: types for the lines of a file that names none, by where they lie in their layer.
 //!
 //! A layer is drawn in cells of 0.1 mm, each line 0.5 mm wide, so that a seam closes. Cells without a line belong to
-//! areas. The area around the part is open, and so is one in which a square of 10 mm fits, a hole; others are gaps of an
-//! infill. A line is outside if at least half of it is within 0.4 mm of an open area. So the wall of a narrow hole
-//! counts as inside, and so does a part within its skirt that is less than 10 mm away from it.
+//! areas. The area around the part is open. So is one in which a square of 10 mm fits, which is a hole. Others are gaps
+//! of an infill. A line is outside if at least half of it is within 0.4 mm of an open area. So the wall of a narrow
+//! hole counts as inside, and so does a part within its skirt that is less than 10 mm away from it.
 
 use corehbot_sim::slicer::UNNAMED;
 use corehbot_twin::steps::{LineType, Planned};

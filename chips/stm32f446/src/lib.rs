@@ -21,8 +21,8 @@
 //! names no register). A value that start-up makes and one
 //! interrupt handler uses is in a `Handover` of `chips/cortex-m4`.
 //!
-//! `unsafe` stays in `fault`, `flash`, `otg`, `panic_path`, `priorities`, `ram_walk`, `reference_voltage`, `reset_reason`, `stack_guard`,
-//! `step_timer`, `stepper` and `time`.
+//! `unsafe` stays in `fault`, `flash`, `otg`, `panic_path`, `priorities`, `ram_walk`, `reference_voltage`,
+//! `reset_reason`, `stack_guard`, `step_timer`, `stepper` and `time`.
 #![cfg_attr(target_os = "none", no_std)]
 
 pub use corehbot_wiring as wiring;
