@@ -103,7 +103,8 @@ impl fmt::Display for LowReading {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { name, figures, measured } = self;
         let (power, less) = (Ratio8(figures.power), Ratio8(figures.less));
-        put!(f, "{name} takes {power} times its power and moves {less} times less")?;
+        let than = if figures.has_baseline { "when it was healthy" } else { "by its model" };
+        put!(f, "{name} takes {power} times its power and moves {less} times less than {than}")?;
         if figures.low() > ROUND {
             let block = hidden(*measured, figures.low()).to_num::<i32>();
             put!(f, ": about {block} C if its sensor sits loosely")?;
@@ -119,8 +120,7 @@ const ROUND: u16 = 282;
 fn report_figures(to: &mut ReplyWriter<'_>, name: &'static str, figures: HeatFigures, measured: Option<Celsius>) {
     if figures.are_known() {
         let shown = LowReading { name, figures, measured: measured.unwrap_or_default() };
-        let than = if figures.has_baseline { "when it was healthy" } else { "by its model" };
-        to.say(text!("echo:heater {shown}, than {than}"));
+        to.say(text!("echo:heater {shown}"));
     }
 }
 
