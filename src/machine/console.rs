@@ -146,10 +146,10 @@ impl<'m, P: PortSet, W: Wake> Console<'m, P, W> {
         let Self { main_loop, states } = self;
         let (mut text, mut held_text) = (Text::new(), Text::new());
         loop {
-            if !main_loop.motion.has_motion() {
-                if main_loop.heat.has_passed_test() {
-                    note_self_test(main_loop).await?;
-                }
+            if main_loop.heat.has_passed_test() && !main_loop.motion.has_motion() {
+                note_self_test(main_loop).await?;
+            }
+            if main_loop.heat.may_have_baseline_news() && !main_loop.motion.has_motion() {
                 note_baseline(main_loop).await?;
             }
             keep_to_surface(main_loop).await?;

@@ -74,10 +74,16 @@ fn machines() -> impl Strategy<Value = Settings> {
     )
 }
 
-/// The checker's limits for these settings. Where x and y are shaped differently, a belt motor runs the sum of an x and
+/// The checker's limits for these settings. An axis that speeds up more slowly than the belts is seen only as well as
+/// these: when they speed up for the other axis too, their steps fall at different times. Where x and y are shaped differently, a belt motor runs the sum of an x and
 /// a y of different moments, which the planner does not limit.
 fn limits(s: &Settings) -> Limits {
     let mut limits = Limits::new(s, None, "");
+    let (axes, belts) = limits.of.split_at_mut(4);
+    for axis in &mut axes[..2] {
+        let unseen = |acceleration: f64| (acceleration * axis.step).sqrt();
+        axis.jump += (unseen(belts[0].acceleration) - unseen(axis.acceleration)).max(0.0);
+    }
     if s.shapers.x != s.shapers.y {
         let (axes, belts) = limits.of.split_at_mut(4);
         let (x, y) = (&axes[0], &axes[1]);
@@ -118,4 +124,21 @@ proptest! {
         let [m1, m4, m8, m11, z1, z2, ..] = counts;
         prop_assert_eq!([m1, m4, m8, m11, z1, z2], [800, 7200, -800, -7200, 1600, 1600]);
     }
+}
+
+/// The belts speed up for x by eight times as much as y may, and their steps fall at different times. So half steps of
+/// y come and go, though it hardly moves.
+#[test]
+fn a_slow_axis_of_belts_that_speed_up_for_the_other_one_is_no_finding() {
+    let mut s = Settings::prototype();
+    (s.axes.x.max_acceleration, s.axes.y.max_acceleration) = (MmPerSec2::lit("6556.953"), MmPerSec2::lit("660.367"));
+    (s.motor_max_acceleration, s.print_acceleration) = (MmPerSec2::lit("5238.33"), MmPerSec2::lit("7504.176"));
+    (s.axes.x.max_speed, s.axes.y.max_speed) = (MmPerSec::from_num(100), MmPerSec::from_num(90));
+    s.motor_max_speed = MmPerSec::from_num(100);
+    s.corner = CornerRule::SquareCorner(MmPerSec::from_num(1));
+    let shaper = Shaper::new(ShaperKind::Zvd, Hertz::from_num(30), Ratio::from_num(0));
+    (s.shapers.x, s.shapers.y) = (shaper, shaper);
+    s.minimum_cruise_ratio = Ratio::from_num(0);
+    let (findings, _) = print(&s, &[(-107, 7, 0, 0, 3171), (158, -52, 0, 0, 2898), (0, 0, 0, 0, 600)], 0.02);
+    assert_eq!(findings.total, 0, "{:?}", findings.first);
 }

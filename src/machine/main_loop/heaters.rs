@@ -35,6 +35,8 @@ pub(in crate::machine) struct Heaters<'m> {
     still_fans: u8,
     /// Whether it was told that hotend and bed read low, or that their models are far off.
     are_low: [bool; 2],
+    /// One of them has learned a baseline that may be new.
+    has_learned: bool,
     /// The refusal of each heater that was told last. A target that is accepted forgets it.
     told: [Option<Cause>; HEATERS],
     /// When heaters were last used.
@@ -54,6 +56,7 @@ impl<'m> Heaters<'m> {
             self_tests: SelfTests::new(),
             still_fans: 0,
             are_low: [false; 2],
+            has_learned: false,
             told: [None; HEATERS],
             used: now,
             due: now,
@@ -211,8 +214,14 @@ impl<'m> Heaters<'m> {
         self.orders.baselines()
     }
 
+    /// Whether there may be a baseline to store, or to erase: asked in each turn of the Console.
+    pub fn may_have_baseline_news(&self) -> bool {
+        self.has_learned || self.orders.has_baseline_to_erase()
+    }
+
     /// A baseline that is to be stored, or erased: the heater, its model's sum, and the figures.
-    pub fn baseline_news(&self, thermal: &ThermalSettings) -> Option<(Heater, u32, [u16; 2])> {
+    pub fn baseline_news(&mut self, thermal: &ThermalSettings) -> Option<(Heater, u32, [u16; 2])> {
+        self.has_learned = false;
         self.orders.baseline_news(self.status, thermal)
     }
 
@@ -220,6 +229,7 @@ impl<'m> Heaters<'m> {
     pub fn follow_low_readings(&mut self) -> Option<(Heater, HeatFigures)> {
         [Heater::Hotend, Heater::Bed].into_iter().zip(&mut self.are_low).find_map(|(heater, told)| {
             let figures = self.status.figures(heater);
+            self.has_learned |= figures.has_learned();
             let is_low = figures.is_low || figures.is_far_off();
             let was_low = core::mem::replace(told, is_low);
             (is_low && !was_low).then_some((heater, figures))

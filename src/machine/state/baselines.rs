@@ -90,6 +90,11 @@ impl Baselines {
         })
     }
 
+    /// Whether one was forgotten, and is stored all the same.
+    pub fn has_one_to_erase(&self) -> bool {
+        self.0.iter().any(|stored| stored.is_to_erase)
+    }
+
     /// The storage did not take it.
     pub fn give_up(&mut self, heater: Heater) {
         if let Some(stored) = self.0.get_mut(heater as usize) {

@@ -89,6 +89,11 @@ impl HeatOrders {
         &mut self.baselines
     }
 
+    /// Whether a baseline waits to be erased.
+    pub fn has_baseline_to_erase(&self) -> bool {
+        self.baselines.has_one_to_erase()
+    }
+
     /// What is to be stored of them, once the thermal context has the latest settings.
     pub fn baseline_news(&self, heat: &Heat, settings: &ThermalSettings) -> Option<(Heater, u32, [u16; 2])> {
         if self.has_news { None } else { self.baselines.news(heat, settings) }
