@@ -25,7 +25,7 @@ use crate::fault::Latch;
 use core::sync::atomic::{AtomicBool, AtomicI32, AtomicU8, AtomicU32};
 use counted::Counted;
 pub use heat::{Heat, SelfTest, Tuned, Tuning, TuningFailure};
-pub use heat_figures::HeatFigures;
+pub use heat_figures::{HeatFigures, WITH_FIGURES};
 pub use known::Known;
 use overload::Lateness;
 pub use overload::{Late, Overload};

@@ -1,6 +1,6 @@
 //! Heaters and fans for the Console, and its information on the filament.
 
-use super::heat_figures::{HeatFigures, Place};
+use super::heat_figures::{HeatFigures, Place, WITH_FIGURES};
 use crate::connectors::{FANS, HEATERS, Heater, SENSORS, Sensor};
 use crate::fault::Cause;
 use crate::units::Celsius;
@@ -96,7 +96,7 @@ pub struct Heat {
     /// Whether a wait for them is in vain.
     are_slow: [AtomicBool; HEATERS],
     /// What hotend and bed have shown of their heat.
-    figures: [Place; 2],
+    figures: [Place; WITH_FIGURES.len()],
     /// Of 65,535.
     duties: [AtomicU16; HEATERS],
     fans: [AtomicU16; FANS],
@@ -146,7 +146,7 @@ impl Heat {
             targets: [const { AtomicI32::new(0) }; HEATERS],
             ailments: [const { AtomicU8::new(0) }; HEATERS],
             are_slow: [const { AtomicBool::new(false) }; HEATERS],
-            figures: [const { Place::new() }; 2],
+            figures: [const { Place::new() }; WITH_FIGURES.len()],
             duties: [const { AtomicU16::new(0) }; HEATERS],
             fans: [const { AtomicU16::new(0) }; FANS],
             tachometers: [const { AtomicU32::new(0) }; FANS],

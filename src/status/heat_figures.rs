@@ -1,6 +1,10 @@
 //! What a heater has shown of its heat while it held a target.
 
+use crate::connectors::Heater;
 use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
+
+/// Heaters that show figures; a chamber shows none.
+pub const WITH_FIGURES: [Heater; 2] = [Heater::Hotend, Heater::Bed];
 
 /// A model that is off by more cannot be judged by: 0.6 to 1.7.
 const PLAUSIBLE: core::ops::RangeInclusive<u16> = 154..=435;
@@ -12,8 +16,6 @@ pub struct HeatFigures {
     pub power: u16,
     /// Its reading moves so many times less.
     pub less: u16,
-    /// Cycles of the dither that counted, wrapping at 2^14.
-    pub cycles: u16,
     /// A baseline is known.
     pub has_baseline: bool,
     /// Both are so great that the user is told.
@@ -24,7 +26,7 @@ pub struct HeatFigures {
 
 impl HeatFigures {
     /// Nothing shown.
-    pub const NONE: Self = Self { power: 0, less: 0, cycles: 0, has_baseline: false, is_low: false, learned: [0; 2] };
+    pub const NONE: Self = Self { power: 0, less: 0, has_baseline: false, is_low: false, learned: [0; 2] };
 
     /// Whether both figures are known.
     #[must_use]
@@ -54,9 +56,9 @@ impl HeatFigures {
 /// Figures of a heater. Written by the thermal context.
 pub(super) struct Place([AtomicU32; 3]);
 
-/// Bits above the cycles.
-const BASELINE: u32 = 1 << 14;
-const LOW: u32 = 1 << 15;
+/// The flags.
+const BASELINE: u32 = 1;
+const LOW: u32 = 1 << 1;
 
 impl Place {
     pub const fn new() -> Self {
@@ -68,7 +70,6 @@ impl Place {
         HeatFigures {
             power: figures as u16,
             less: (figures >> 16) as u16,
-            cycles: flags as u16 & (BASELINE - 1) as u16,
             has_baseline: flags & BASELINE != 0,
             is_low: flags & LOW != 0,
             learned: [learned as u16, (learned >> 16) as u16],
@@ -76,11 +77,11 @@ impl Place {
     }
 
     pub fn store(&self, figures: HeatFigures) {
-        let HeatFigures { power, less, cycles, has_baseline, is_low, learned: [a, b] } = figures;
+        let HeatFigures { power, less, has_baseline, is_low, learned: [a, b] } = figures;
         let [place, flags, learned] = &self.0;
         let bit = |is_set: bool, bit: u32| if is_set { bit } else { 0 };
         place.store(u32::from(power) | u32::from(less) << 16, Relaxed);
-        flags.store(u32::from(cycles) & (BASELINE - 1) | bit(has_baseline, BASELINE) | bit(is_low, LOW), Relaxed);
+        flags.store(bit(has_baseline, BASELINE) | bit(is_low, LOW), Relaxed);
         learned.store(u32::from(a) | u32::from(b) << 16, Relaxed);
     }
 }

@@ -8,8 +8,9 @@
 //!
 //! Next to it an image has the owner's texts (`texts`), for which settings have no room.
 //!
-//! The last page has notes (`notes`): the last self-test of the heaters that was passed, the load that a mm of strain
-//! takes of belt motors, and what hotend and bed take and move when they are healthy. `map` says where everything lies.
+//! The last page has notes (`notes`): the last self-test of the heaters that was passed, and the load that a mm of
+//! strain takes of belt motors. It also has what hotend and bed take and move when they are healthy. `map` says where
+//! everything lies.
 
 mod machine;
 mod machine_block;

@@ -9,7 +9,7 @@
 //! |---|---|---|
 //! | the last self-test that was passed: heaters need none before the next update | `CHBT` | the tested heaters |
 //! | the load that a mm of strain takes, of two residuals of the belt | `CHBL` | 16 bits for each; 0 is not known |
-//! | the baseline of a heater: power and movement | the sum of its model | 16 bits for each, 8 of them behind the point |
+//! | the baseline of a heater: power and movement | the sum of its model | 16 bits for each, 8 fractional |
 
 use super::map::{BASELINES, BELT_LOADS, SELF_TEST};
 use crate::checksum::crc32;

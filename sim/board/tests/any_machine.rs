@@ -75,8 +75,8 @@ fn machines() -> impl Strategy<Value = Settings> {
 }
 
 /// The checker's limits for these settings. An axis that speeds up more slowly than the belts is seen only as well as
-/// these: when they speed up for the other axis too, their steps fall at different times. Where x and y are shaped differently, a belt motor runs the sum of an x and
-/// a y of different moments, which the planner does not limit.
+/// these: when they speed up for the other axis too, their steps fall at different times. Where x and y are shaped
+/// differently, a belt motor runs the sum of an x and a y of different moments, which the planner does not limit.
 fn limits(s: &Settings) -> Limits {
     let mut limits = Limits::new(s, None, "");
     let (axes, belts) = limits.of.split_at_mut(4);

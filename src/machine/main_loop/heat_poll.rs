@@ -7,7 +7,7 @@ use crate::machine::ports::PortSet;
 use crate::machine::reports::heat_report::{LowReading, Ratio8};
 use crate::port::Wake;
 use crate::settings::Settings;
-use crate::status::{HeatFigures, SelfTest};
+use crate::status::{HeatFigures, SelfTest, WITH_FIGURES};
 use crate::thermal::is_alike;
 use crate::units::Instant;
 
@@ -54,7 +54,7 @@ impl<P: PortSet, W: Wake> MainLoop<'_, P, W> {
     /// weak.
     fn tell_low_reading(&mut self, heater: Heater, figures: HeatFigures) {
         let heat = self.status.heat();
-        let others = [Heater::Hotend, Heater::Bed].into_iter().filter(|other| *other != heater);
+        let others = WITH_FIGURES.into_iter().filter(|other| *other != heater);
         let other = others.map(|other| heat.figures(other).low()).next().unwrap_or_default();
         let (name, low) = (heater.name(), figures.low());
         let measured = heat.measured(heater).unwrap_or_default();

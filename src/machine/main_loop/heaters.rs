@@ -13,7 +13,7 @@ use crate::machine::state::fan_schedule::FanSchedule;
 use crate::machine::state::heat_orders::HeatOrders;
 use crate::machine::state::self_tests::SelfTests;
 use crate::settings::ThermalSettings;
-use crate::status::{Heat, HeatFigures, SelfTest};
+use crate::status::{Heat, HeatFigures, SelfTest, WITH_FIGURES};
 use crate::thermal::{Orders, refusal, test_subject};
 use crate::units::{Celsius, Instant, TICKS_PER_SECOND, part_of};
 
@@ -227,7 +227,7 @@ impl<'m> Heaters<'m> {
 
     /// A heater that has come to read low, or whose model is far off, once.
     pub fn follow_low_readings(&mut self) -> Option<(Heater, HeatFigures)> {
-        [Heater::Hotend, Heater::Bed].into_iter().zip(&mut self.are_low).find_map(|(heater, told)| {
+        WITH_FIGURES.into_iter().zip(&mut self.are_low).find_map(|(heater, told)| {
             let figures = self.status.figures(heater);
             self.has_learned |= figures.has_learned();
             let is_low = figures.is_low || figures.is_far_off();

@@ -2,7 +2,6 @@
 //! start.
 
 use super::mesh_news::News;
-use crate::connectors::Heater;
 use crate::machine::answers::answer::Answer;
 use crate::machine::answers::reply_writer::ReplyWriter;
 use crate::machine::apart::apart;
@@ -13,6 +12,7 @@ use crate::machine::state::machine_pieces::MachinePieces;
 use crate::machine::states::States;
 use crate::port::{BoardFacts, Storage, StorageError, Wake};
 use crate::settings::Settings;
+use crate::status::WITH_FIGURES;
 use crate::storage::{self, LONGEST, MeshFate, Receipt, Rejected, SaveError, Slot, Survey};
 use crate::text::Packed;
 use crate::thermal::baseline_subject;
@@ -182,7 +182,7 @@ pub(in crate::machine) async fn load_at_start<P: PortSet, W: Wake>(
     let loads = storage::belt_loads(&mut paced).await;
     paced.into_result()?;
     main_loop.trimming.know_loads(loads.unwrap_or_default());
-    for heater in [Heater::Hotend, Heater::Bed] {
+    for heater in WITH_FIGURES {
         let subject = baseline_subject(main_loop.settings.thermal.heater(heater));
         let mut paced = Paced::new(main_loop);
         let figures = storage::baseline(&mut paced, heater as usize, subject).await;

@@ -10,11 +10,8 @@
 
 use crate::connectors::Heater;
 use crate::settings::ThermalSettings;
-use crate::status::Heat;
+use crate::status::{Heat, WITH_FIGURES};
 use crate::thermal::{Order, baseline_subject};
-
-/// Heaters that have one.
-const HEATERS: [Heater; 2] = [Heater::Hotend, Heater::Bed];
 
 /// A stored baseline, or a forgotten one.
 #[derive(Clone, Copy)]
@@ -69,7 +66,7 @@ impl Baselines {
 
     /// The next order.
     pub fn next(&mut self, thermal: &ThermalSettings) -> Option<Order> {
-        HEATERS.into_iter().zip(&mut self.0).find_map(|(heater, stored)| {
+        WITH_FIGURES.into_iter().zip(&mut self.0).find_map(|(heater, stored)| {
             let is_due = core::mem::take(&mut stored.is_waiting);
             let fits = stored.figures == [0; 2] || stored.subject == baseline_subject(thermal.heater(heater));
             (is_due && fits).then_some(Order::Baseline(heater, stored.figures))
@@ -78,7 +75,7 @@ impl Baselines {
 
     /// What is to be stored: the heater, its model's sum, and the figures; zeros erase.
     pub fn news(&self, heat: &Heat, thermal: &ThermalSettings) -> Option<(Heater, u32, [u16; 2])> {
-        HEATERS.into_iter().zip(&self.0).find_map(|(heater, stored)| {
+        WITH_FIGURES.into_iter().zip(&self.0).find_map(|(heater, stored)| {
             let figures = heat.figures(heater);
             if stored.has_failed || stored.is_waiting {
                 None

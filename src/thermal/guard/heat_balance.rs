@@ -36,7 +36,8 @@ pub struct HeatBalance {
     balance: Episode<(), Balance>,
 }
 
-/// Numbers from the settings. They are part of the settings' sum, which finds failing memory. Guards of heat share them.
+/// Numbers from the settings. They are part of the settings' sum, which finds failing memory. Guards of heat share
+/// them.
 #[derive(Clone, Copy, Debug, Hash)]
 pub struct Numbers {
     /// The fraction of the heat that must be found.

@@ -172,7 +172,6 @@ impl LowReading {
         self.figures = HeatFigures {
             power,
             less,
-            cycles: self.figures.cycles.wrapping_add(1),
             has_baseline: is_known,
             is_low: hold.holds(3, low > TELLS[place], TELL_LOOKS[place]),
             learned: self.baseline.learned(HOUR[place]).unwrap_or_default(),
